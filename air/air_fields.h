@@ -3,34 +3,34 @@
 
 namespace strandcast {
 
-class Surroundings;
+class ExternalForces;
 
-/// What is known of the air and of the hair in it at a point.
+/// State of the air and the hair at a point.
 struct AirSample {
-  float density = 0;         ///< kg/m^3, of the strands themselves; 0 beyond their grid
+  float density = 0;         ///< kg/m^3, mass of strands per volume; 0 outside the hair grid
   Vec3 wind = Vec3::Zero();  ///< m/s
-  float pressure = 0;        ///< Pa, over that beyond the grid
-  float divergence = 0;      ///< 1/s, also what spheres of wind let out
-  bool solid = false;        ///< in a body, as the wind grid sees it
+  float pressure = 0;        ///< Pa, relative to the pressure outside the grid
+  float divergence = 0;      ///< 1/s, including the outflow of sphere sources
+  bool solid = false;        ///< the cell of the wind grid is inside a body
 };
 
-/// The grids of a simulation, to be looked at after a step. Where it has neither density nor wind there is
-/// nothing else to ask.
+/// Read access to the grids of a simulation after a step. Precondition of box(), cell() and at():
+/// hasDensity() or hasWind().
 class AirFields {
  public:
   virtual ~AirFields() = default;
-  /// Hair is on a grid: settings ask for forces between hairs, or for wind that hair holds back.
+  /// Whether hair was splatted in the newest step: for forces between hairs, or because hair drags the air.
   virtual bool hasDensity() const = 0;
-  /// wind_grid is 1.
+  /// Whether the newest step had a wind grid (parameter wind_grid = 1).
   virtual bool hasWind() const = 0;
-  /// m, world: the wind's grid, or that of the hair where there is no wind.
+  /// m, world frame: the box of the wind grid, or of the hair grid where there is no wind grid.
   virtual Box box() const = 0;
-  virtual float cell() const = 0;  ///< m, of that grid
-  /// What has no grid is 0.
+  virtual float cell() const = 0;  ///< m, edge of a cell of the grid of box()
+  /// `point`: m, world frame. Quantities that are on no grid are 0.
   virtual AirSample at(const Vec3& point) const = 0;
 };
 
-/// The grids of surroundings that cpuAir() or gpuAir() made; null for others.
-const AirFields* airFields(const Surroundings* surroundings);
+/// The grids of an air system that cpuAir() or gpuAir() made; null for other external forces.
+const AirFields* airFields(const ExternalForces* air_system);
 
 }  // namespace strandcast

@@ -13,7 +13,7 @@ namespace {
 constexpr int kGusts = 8, kModes = 96, kBox = 32;
 constexpr double kTurn = 2 * std::numbers::pi, kHighest = 8;
 
-// In [0, 1): the standard's distributions differ between libraries.
+// Uniform in [0, 1). The distributions of <random> differ between standard libraries.
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
 Eigen::Vector3d direction(std::mt19937_64& random) {
@@ -21,8 +21,8 @@ Eigen::Vector3d direction(std::mt19937_64& random) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-Vec3 turnedToBox(const Vec3& v) {
-  const auto turned = kernels::f32::turnedToBox({v.x(), v.y(), v.z()});
+Vec3 toTurbulenceBox(const Vec3& v) {
+  const auto turned = kernels::f32::toTurbulenceBox({v.x(), v.y(), v.z()});
   return {turned.x, turned.y, turned.z};
 }
 
@@ -46,7 +46,7 @@ void Ambient::makeBox(uint64_t seed) {
     sines[i] = std::sin(kTurn * i / kBox);
   }
   for (int mode = 0; mode < kModes; ++mode) {
-    // Wave numbers evenly in their logarithm: each then stands for energy E(n) n.
+    // |n| is distributed uniformly in its logarithm, so each mode represents the energy E(n) n.
     Eigen::Vector3i wave;
     double n = 0;
     do {
@@ -82,7 +82,7 @@ void Ambient::configure(const Parameters& p) {
 
 void Ambient::advance(double seconds) {
   Progress next = progress_;
-  next.carried += turnedToBox(wind_).cast<double>() * (seconds / static_cast<double>(turbulence_length_));
+  next.carried += toTurbulenceBox(wind_).cast<double>() * (seconds / static_cast<double>(turbulence_length_));
   next.carried -= next.carried.array().floor().matrix();
   next.gust += seconds / static_cast<double>(gust_period_);
   next.gust -= std::floor(next.gust);
@@ -91,7 +91,7 @@ void Ambient::advance(double seconds) {
 
 void Ambient::moveOrigin(const Vec3& way) {
   const Eigen::Vector3d w = way.cast<double>();
-  const auto turned = kernels::f64::turnedToBox({w.x(), w.y(), w.z()});  // in floats it would shift them
+  const auto turned = kernels::f64::toTurbulenceBox({w.x(), w.y(), w.z()});  // floats would shift the eddies
   Progress next = progress_;
   next.carried -= Eigen::Vector3d(turned.x, turned.y, turned.z) / static_cast<double>(turbulence_length_);
   next.carried -= next.carried.array().floor().matrix();
@@ -116,10 +116,11 @@ void Ambient::findMean() {
 
 Vec3 Ambient::at(const Vec3& point) const {
   if (!(turbulence_ > 0)) return mean_;
-  const Vec3 place = (turnedToBox(point) - carried_) * boxPlacesPerMetre();
-  if (!place.allFinite()) return mean_;  // of a strand that went wrong
+  const Vec3 place = (toTurbulenceBox(point) - carried_) * boxPlacesPerMetre();
+  if (!place.allFinite()) return mean_;  // the position of a strand that diverged
   const Vec3 low = place.array().floor(), part = place - low;
-  const Vec3 first = low - kBox * (low / kBox).array().floor().matrix();  // in the box, exactly
+  const Vec3 first =
+      low - kBox * (low / kBox).array().floor().matrix();  // index modulo kBox; exact in floats
   Vec3 out = Vec3::Zero();
   for (int c = 0; c < 8; ++c) {
     float weight = turbulence_;
@@ -128,7 +129,7 @@ Vec3 Ambient::at(const Vec3& point) const {
            box_[boxIndex(static_cast<int>(first.x()) + (c & 1), static_cast<int>(first.y()) + (c >> 1 & 1),
                          static_cast<int>(first.z()) + (c >> 2))];
   }
-  return mean_ + turnedToBox(out);
+  return mean_ + toTurbulenceBox(out);
 }
 
 float Ambient::boxPlacesPerMetre() const { return kBox / turbulence_length_; }

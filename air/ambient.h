@@ -6,41 +6,48 @@
 
 namespace strandcast {
 
-/// What blows into the wind grid: `wind`, stronger and weaker in gusts, with turbulence that it carries along
-/// (Taylor's frozen turbulence). The same seed gives the same wind on every machine.
+/// The ambient wind, which flows into the wind grid: the parameter `wind`, modulated by gusts, with
+/// turbulence that the mean wind advects (Taylor's frozen turbulence). The same seed gives the same wind on
+/// every machine.
 ///
-/// Gusts: the speed is wind (1 + gust s(t)), s a sum of 8 harmonics of gust_period with random phases and
-/// amplitudes as n^(-5/6), so that power goes with frequency^(-5/3), rms 1 (Kolmogorov's inertial range).
-/// Turbulence: a periodic box of edge turbulence_length, sum of 96 solenoidal Fourier modes (Kraichnan 1970)
-/// with whole wave numbers 1 <= |n| < 8 and energy E(n) as n^(-5/3); mean square of the components
-/// (turbulence |wind|)^2. Its axes are not the world's: turnedToBox() of kernels/grid.h.
+/// Gusts: the speed is wind (1 + gust s(t)), s the sum of 8 harmonics of gust_period with random phases
+/// and amplitudes proportional to n^(-5/6). Power is proportional to frequency^(-5/3) (Kolmogorov's inertial
+/// range); the rms of s is 1.
+/// Turbulence: a periodic box of edge turbulence_length, the sum of 96 solenoidal Fourier modes (Kraichnan
+/// 1970) with integer wave vectors 1 <= |n| < 8 and energy E(n) proportional to n^(-5/3). The mean square of
+/// a component is (turbulence |wind|)^2. The box is rotated against the world's axes: toTurbulenceBox() in
+/// kernels/grid.h.
 class Ambient {
  public:
-  /// How far it has come, summed up step by step, so that other settings move neither eddies nor gusts.
+  /// Phases of turbulence and gusts, accumulated step by step: a change of settings moves neither eddies nor
+  /// gusts.
   struct Progress {
-    Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< boxes of turbulence, each 0 to 1: it is periodic
-    double gust = 0;                                    ///< periods of the slowest gust, 0 to 1
+    Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< advection in box lengths, per axis in [0, 1)
+    double gust = 0;                                    ///< phase in periods of the slowest gust, in [0, 1)
   };
 
   Ambient();
-  /// Takes the settings; makes a new box where the seed is another.
+  /// Takes the settings. Makes a new box of turbulence when wind_seed differs.
   void configure(const Parameters& parameters);
+  /// Advances gusts and turbulence by `seconds`.
   void advance(double seconds);
   const Progress& progress() const { return progress_; }
   void setProgress(const Progress& progress);
-  /// Places are told from `way` (m) farther on from now on: the eddies stay where they are.
+  /// Origin rebasing: moves the origin of positions by `way` (m). Eddies keep their place in the world.
   void moveOrigin(const Vec3& way);
 
-  /// m/s without turbulence.
+  /// m/s, wind with gusts, without turbulence.
   const Vec3& mean() const { return mean_; }
-  /// m/s at a point in metres.
+  /// m/s, with turbulence, at a point in metres from the origin.
   Vec3 at(const Vec3& point) const;
-  // What a GPU needs to do the same as at().
+  // Inputs of the shaders that compute at().
   int seed() const { return seed_; }
-  float turbulence() const { return turbulence_; }  ///< m/s
-  const Vec3& carried() const { return carried_; }  ///< m, in the axes of the box: where that has its corner
+  float turbulence() const { return turbulence_; }  ///< m/s, rms of a component
+  /// Position of the box's corner, m, along the axes of the box.
+  const Vec3& carried() const { return carried_; }
+  /// Samples of box() per metre.
   float boxPlacesPerMetre() const;
-  /// 32^3 places, x fastest. The square of a component of what they hold is 1 in the mean.
+  /// 32^3 velocities, x fastest, normalised: the mean square of a component is 1.
   std::span<const Vec3> box() const { return box_; }
 
  private:

@@ -11,7 +11,7 @@ DragShares dragShares(const StrandModel& model, const StrandSamples& samples) {
   double mass = 0, dragged = 0;
   for (const StrandPieces& strand : samples.strands)
     for (uint32_t p = 0; p < strand.pieces; ++p) {
-      // Parts of an edge have the factor of the edge.
+      // All parts of an edge have the factor of the edge.
       const uint32_t first = strand.firstEdge(p),
                      end = strand.parts > 1 ? first + 1 : strand.firstEdge(p + 1);
       double own = 0, own_dragged = 0;

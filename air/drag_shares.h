@@ -5,12 +5,12 @@
 
 namespace strandcast {
 
-/// What of the drag of all hair is a piece's, where hair has factors of it (StrandModel::air_drag_scale): the
-/// air is held back as hair is dragged along.
+/// Distribution of the drag over the samples where strands have drag factors (StrandModel::air_drag_scale).
+/// The momentum that the air loses then equals the momentum that the hair gains.
 struct DragShares {
-  double mean = 1;  ///< factor of all hair, by mass
-  /// Per sample: its factor over the mean, so that masses x shares are together what masses are. Empty:
-  /// all 1.
+  double mean = 1;  ///< mean drag factor of all hair, weighted by mass
+  /// Per sample: its drag factor over the mean. The sum of mass x share equals the sum of masses. Empty: all
+  /// shares are 1.
   std::vector<float> of_samples;
 };
 

@@ -8,159 +8,166 @@
 
 namespace strandcast {
 
-/// The wind grid as its passes see it. Arrays of the shape, from place (0, 0, 0); velocities in m/s.
+/// The wind grid as its passes see it. Arrays of `shape`, from index (0, 0, 0); velocities in m/s.
 template <class Scalar>
 struct WindView {
   GridShape shape;
-  Scalar* velocity[3];      ///< of faces
-  Scalar* next[3];          ///< what a pass makes of them
-  Scalar* displacement[3];  ///< of cells: how far what comes there has gone over the step, in cells
-  Scalar* onward[3];    ///< of cells: how far what is there will go over the step, less than 0 along the wind
-  Scalar* centre;       ///< of cells: 4 numbers each, velocity and 0
-  Scalar* exchange[4];  ///< of cells: rate x time step, and that times the velocity that air is drawn to
-  Scalar* slip[6] = {};           ///< of cells, as draggedAmong() has it: xx, yy, zz, yz, xz, xy
-  const void* ambient = nullptr;  ///< for ambient_velocity; null: walls
-  /// Component `axis` of what blows beyond the grid, at a place in cells.
+  Scalar* velocity[3];      ///< per face
+  Scalar* next[3];          ///< per face: output of a pass
+  Scalar* displacement[3];  ///< per cell: displacement over the step of the air that arrives there, in cells
+  Scalar* onward[3];     ///< per cell: displacement over the step of the air that is there, negated, in cells
+  Scalar* centre;        ///< per cell: 4 numbers, velocity and 0
+  Scalar* exchange[4];   ///< per cell: rate x time step, and that times the target velocity (3 components)
+  Scalar* slip[6] = {};  ///< per cell, for draggedAmong(): xx, yy, zz, yz, xz, xy
+  const void* ambient = nullptr;  ///< first argument of ambient_velocity; null: walls
+  /// Component `axis` of the ambient wind, m/s, at a position in cells.
   Scalar (*ambient_velocity)(const void* ambient, int axis, const Scalar* at) = nullptr;
-  const Scalar* wanted = nullptr;  ///< of cells: outflow that is to be left there, m/s; null: none anywhere
+  const Scalar* target_divergence = nullptr;  ///< per cell: target divergence x cell, m/s; null: 0 everywhere
 };
 
-/// One level of the pressure's linear system: each cell against its six neighbours.
+/// One level of the pressure's linear system: a seven-point stencil.
 template <class Scalar>
 struct PressureView {
   GridShape shape;
-  const Scalar* open[3];           ///< weights of faces
-  const Scalar* diagonal;          ///< their sum around a cell, 0 in solids
-  const Scalar* inverse_diagonal;  ///< 0 in solids
-  const Scalar*
-      even;  ///< [cells * cells], per row: the weight of all faces of its cells, 0 where they differ
+  const Scalar* open[3];           ///< per face: weight, 0 closed
+  const Scalar* diagonal;          ///< per cell: sum of the weights of its faces, 0 in solids
+  const Scalar* inverse_diagonal;  ///< per cell; 0 in solids
+  const Scalar* even;  ///< [cells * cells], per row: the common weight of all faces of its cells; 0 where
+                       ///< weights differ
 };
 
-/// A piece of a strand, as it is splatted.
+/// A piece of a strand, splatted as one sample.
 struct StrandSample {
-  uint32_t vertex;  ///< its first
-  uint32_t share;   ///< first of as many entries of shares
-  uint32_t count;   ///< of vertices
+  uint32_t vertex;  ///< first vertex
+  uint32_t share;   ///< first of `count` entries of SplatView::shares
+  uint32_t count;   ///< vertices
   float mass;       ///< kg
 };
 
 template <class Scalar>
 struct SplatView {
   GridShape shape;
-  Scalar frame[12];                   ///< world to cells: 3 rows of 3, then the offset
-  Scalar mass_scale, momentum_scale;  ///< from kg and kg m/s to whole numbers
-  const float* positions;
-  const float* velocities;
-  Scalar ahead;  ///< s, by which places go on as velocities say
+  Scalar frame[12];                   ///< positions (m) to cells: 3 rows of 3, then the offset
+  Scalar mass_scale, momentum_scale;  ///< fixed-point units per kg and per kg m/s
+  const float* positions;             ///< 3 per vertex, m
+  const float* velocities;            ///< 3 per vertex, m/s
+  Scalar ahead;                       ///< s, positions are extrapolated by so much with their velocities
   const StrandSample* samples;
-  const float* shares;   ///< of a sample's vertices in it, sum 1
-  const Scalar* masses;  ///< kg, per sample
-  Scalar* places;        ///< kPlacePlanes of `stride` numbers, one per sample and 16 to spare
+  const float* shares;   ///< weights of the samples' vertices, sum 1 per sample
+  const Scalar* masses;  ///< kg per sample
+  Scalar* places;        ///< kPlacePlanes planes of `stride` numbers: one per sample, 16 spare
   size_t stride;
-  Scalar* motion;  ///< 4 per sample: velocity, 1
+  Scalar* motion;  ///< 4 per sample: velocity (m/s), 1
 };
 enum PlacePlane : int {
-  kGridPlace,       ///< 3, in cells
-  kWorldPlace = 3,  ///< 3, m
+  kGridPlace,       ///< 3 planes, cells
+  kWorldPlace = 3,  ///< 3 planes, m from the origin
   kPlacePlanes = 6
 };
 
-/// What samples come to: the largest component of velocity, m/s, and where those lie that are in the grid, in
-/// cells; low is above high where none is.
+/// Statistics of samples: the largest component of velocity, m/s, and the bounds of the samples inside the
+/// grid, in cells. low > high where no sample is inside.
 template <class Scalar>
 struct SplatReach {
   Scalar fastest, low[3], high[3];
 };
 
-/// How crowded samples are: kernels/grid.h.
+/// Inputs and state of the crowding of samples: crowding() and heldCrowding() in kernels/grid.h.
 template <class Scalar>
 struct CrowdView {
-  const Scalar* density;  ///< of nodes, from place (0, 0, 0)
-  const Scalar* rest;     ///< density at rest, per sample and 16 to spare
-  Scalar* held;           ///< heldCrowding, as rest
-  const Scalar* largest;  ///< what crowding comes to at most with a stiffness of 1, as rest
+  const Scalar* density;  ///< per node, kg/m^3, from index (0, 0, 0)
+  const Scalar* rest;     ///< rest density, kg/m^3; per sample, 16 spare
+  Scalar* held;           ///< result of heldCrowding(); per sample, 16 spare
+  const Scalar* largest;  ///< bound of crowding() at a stiffness of 1; per sample, 16 spare
   Scalar rest_scale, stiffness, gain;
-  Scalar scale;  ///< from mass x crowding to whole numbers
+  Scalar scale;  ///< fixed-point units per mass x crowding
 };
 
-/// Nodes of the hair grid, from place (0, 0, 0).
+/// Nodes of the hair grid, from index (0, 0, 0).
 template <class Scalar>
 struct HairView {
   GridShape shape;
-  const Scalar* nodes;     ///< 4 numbers each: momentum per volume, density
+  const Scalar* nodes;     ///< 4 per node: momentum per volume (kg/(m^2 s)), density (kg/m^3)
   const Scalar* density;   ///< blurred
-  const Scalar* crowding;  ///< of the nodes' samples; null where hair is not pushed apart
+  const Scalar* crowding;  ///< mean crowding of a node's samples; null without volume_stiffness
   const Scalar* crowded;   ///< mass x crowding, blurred
-  Scalar slope;            ///< pushAlong in kernels/grid.h
-  Scalar turn[9];          ///< of the head, 3 rows: pushes to the world
-  Scalar* spread;          ///< `nodes` x density^(-1/2), then blurred; null where hair does not rub
-  Scalar part;             ///< that friction takes of what hair moves by against its surroundings
-  Scalar* changes;         ///< 4 numbers each: change of velocity, and what it loses of its own
+  Scalar slope;            ///< for pushAlong() in kernels/grid.h
+  Scalar turn[9];          ///< rotation of the head, 3 rows: from grid axes to the world
+  Scalar* spread;          ///< `nodes` x density^(-1/2), then blurred; null without hair_friction
+  Scalar part;             ///< fraction of the relative velocity that friction removes in the step
+  Scalar* changes;  ///< 4 per node: velocity increment, and the fraction of its own velocity that hair loses
 };
 
-/// What is done to a layer, a range of samples, ... Compiled once per lane type.
+/// Function table of the passes, each over one layer of a grid or a range of samples. Compiled once per lane
+/// type. A pass of a layer writes that layer only, so layers may run concurrently.
 template <class Scalar>
 struct GridPasses {
-  std::string name;  ///< "scalar" or of the instruction set
-  /// signedDistance() of points, 3 numbers each; `words` of the ShapeData.
+  std::string name;  ///< "scalar" or the instruction set
+  /// signedDistance() of `count` points, 3 numbers each, m. `words`: ShapeData::words.
   void (*distances)(const MovingPrimitive&, const uint32_t* words, const float* points, size_t count,
                     float* out);
+  /// Velocities of cell centres from those of faces.
   void (*centre)(const WindView<Scalar>&, int layer);
-  /// Into `out`; a negative Courant number (time step over cell, s/m) looks ahead.
+  /// Displacements of cells into `out`[3]. `courant`: time step over cell, s/m; negative traces forwards.
   void (*displace)(const WindView<Scalar>&, Scalar courant, Scalar* const* out, int layer);
+  /// Semi-Lagrangian advection of `velocity` into `next`.
   void (*advect)(const WindView<Scalar>&, int axis, int layer);
-  /// MacCormack: corrects `next` into `out`.
+  /// MacCormack correction of `next` into `out`.
   void (*correct)(const WindView<Scalar>&, int axis, Scalar* out, int layer);
+  /// One explicit step of viscosity. `coefficient`: viscosity x time / cell^2.
   void (*diffuse)(const WindView<Scalar>&, int axis, Scalar coefficient, int layer);
+  /// Implicit exchange of momentum with `exchange`, in place.
   void (*exchange)(const WindView<Scalar>&, int axis, int layer);
-  /// The same where air slips along hair; the other components are those of `centre`.
+  /// The same with anisotropic drag (`slip`). The other two components of velocity come from `centre`.
   void (*exchangeAmong)(const WindView<Scalar>&, int axis, int layer);
 
-  /// The largest component of velocity, whatever its sign.
+  /// Largest absolute component of velocity, m/s.
   Scalar (*fastest)(const WindView<Scalar>&, int layer);
-  /// The pressure's right-hand side: the outflow that is wanted less that there is, 0 in solids.
+  /// Right-hand side of the pressure: target divergence less divergence, x cell (m/s); 0 in solids.
   void (*outflow)(const WindView<Scalar>&, const PressureView<Scalar>&, Scalar* right, int layer);
-  /// From x, or from 0 where it is null.
+  /// One weighted Jacobi sweep from x, or from 0 where x is null.
   void (*smooth)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar weight,
                  Scalar* out, int layer);
+  /// out = right - A x.
   void (*residual)(const PressureView<Scalar>&, const Scalar* x, const Scalar* right, Scalar* out, int layer);
-  /// Between a level of the pressure and the next coarser one: sums of eight cells, of a coarse layer; and to
-  /// the cells of a fine layer that are not solid, what is there in the coarse one.
+  /// Transfer between a level and the next coarser one. restrict: a coarse cell gets the sum of its eight
+  /// fine cells; `layer` is coarse. prolong: adds a coarse value to its fine cells that are not solid;
+  /// `layer` is fine.
   void (*restrict)(const GridShape& fine, const Scalar* in, const GridShape& coarse, Scalar* out, int layer);
   void (*prolong)(const PressureView<Scalar>& fine, const GridShape& coarse, const Scalar* in, Scalar* x,
                   int layer);
-  /// out = A x; gives dot(x, out).
+  /// out = A x; returns dot(x, out).
   double (*apply)(const PressureView<Scalar>&, const Scalar* x, Scalar* out, int layer);
-  /// x += a s, r -= a q; gives the largest |r|.
+  /// x += a s, r -= a q; returns the largest |r|.
   Scalar (*advance)(const GridShape&, Scalar a, const Scalar* s, const Scalar* q, Scalar* x, Scalar* r,
                     int layer);
   double (*dot)(const GridShape&, const Scalar* a, const Scalar* b, int layer);
   /// s = z + a s
-  void (*turn)(const GridShape&, Scalar a, const Scalar* z, Scalar* s, int layer);
+  void (*updateDirection)(const GridShape&, Scalar a, const Scalar* z, Scalar* s, int layer);
   void (*subtractGradient)(const WindView<Scalar>&, const PressureView<Scalar>&, const Scalar* pressure,
                            int axis, int layer);
 
-  // Samples in ranges that begin at multiples of 16.
-  /// Where samples are and how fast.
+  // Passes over samples; a range begins at a multiple of 16.
+  /// Positions and velocities of samples from those of vertices.
   SplatReach<Scalar> (*place)(const SplatView<Scalar>&, size_t begin, size_t end);
-  /// Adds them to nodes of 4 numbers, momentum and mass.
+  /// Adds momentum and mass of samples to nodes of 4 fixed-point numbers.
   void (*splat)(const SplatView<Scalar>&, size_t begin, size_t end, int32_t* nodes);
-  /// What nodes of one number have at samples; per sample and 16 to spare.
+  /// Interpolates nodes of one number at samples into `out`: per sample, 16 spare.
   void (*sampleNumbers)(const SplatView<Scalar>&, size_t begin, size_t end, const Scalar* nodes, Scalar* out);
-  /// Adds mass x crowding of samples to nodes of one number.
+  /// Updates `held` and adds mass x crowding of samples to nodes of one fixed-point number.
   void (*crowd)(const SplatView<Scalar>&, size_t begin, size_t end, const CrowdView<Scalar>&, int32_t* nodes);
-  /// One axis of a blur by (1 2 1) / 4 of nodes of `numbers` numbers, in a box beyond whose inner nodes `in`
-  /// is 0.
+  /// Blur by (1 2 1) / 4 along one axis, of nodes with `numbers` numbers, in `box`. `in` is 0 outside the
+  /// inner nodes of `box`.
   void (*blur)(const GridShape&, int numbers, int axis, const NodeBox& box, const Scalar* in, Scalar* out,
                int layer);
-  /// Nodes of a layer in a box: what is to be blurred for friction, and what hair there changes by.
+  /// Nodes of a layer in a box. spread: the input of friction's blur. forces: the changes of velocity.
   void (*spread)(const HairView<Scalar>&, const NodeBox& box, int layer);
   void (*forces)(const HairView<Scalar>&, const NodeBox& box, int layer);
-  /// What nodes of 4 numbers have at `count` places (in cells, 3 planes of `stride` numbers, 16 of each to
-  /// spare), 4 numbers each.
+  /// Interpolates nodes of 4 numbers at `count` positions into `out`, 4 numbers each. `places`: cells, 3
+  /// planes of `stride` numbers, 16 spare in each.
   void (*sample)(const GridShape&, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,
                  Scalar* out);
-  /// The same at samples, less its last number x the sample's velocity. `out` from sample `begin` on.
+  /// The same at samples, less the fourth number x the sample's velocity. `out`: from sample `begin` on.
   void (*change)(const SplatView<Scalar>&, const Scalar* nodes, size_t begin, size_t end, Scalar* out);
 };
 
@@ -170,9 +177,9 @@ template <>
 const GridPasses<float>& scalarPasses<float>();
 template <>
 const GridPasses<double>& scalarPasses<double>();
-/// For the best instruction set that was compiled for and that the machine has.
+/// Passes for the best instruction set that is compiled in and that the machine supports.
 const GridPasses<float>& simdPasses();
-/// Those of a backend: "reference" or "simd"; Error on another name.
+/// Passes of the backend "reference" or "simd". Throws Error on another name.
 const GridPasses<float>& passesOf(const std::string& backend);
 
 }  // namespace strandcast

@@ -1,13 +1,13 @@
 // The passes of air/grid_passes.h over any lane type. Included inside a namespace that has the lane vocabulary, the kernel
 // text and air/lanes_*.inl. Lanes are neighbours along x, or samples; the formulas are in kernels/grid.h.
 
-// From place (0, 0, 0), as all arrays here.
+// Offset of a row, from index (0, 0, 0) as all arrays here.
 inline size_t startOf(const GridShape& s, int j, int k) {
   return s.row() * static_cast<size_t>(j) + s.layer() * static_cast<size_t>(k);
 }
 inline int inside(int i, int end) { return i < 0 ? 0 : i < end ? i : end - 1; }
 
-// The corners around `kLanes` places: where the first one lies in an array, and the way to the last one.
+// The cells around `kLanes` positions: index of the first corner in an array, and position in the cell, 0 to 1.
 struct Corners {
   alignas(64) uint32_t first[kLanes];
   real3 part;
@@ -15,7 +15,7 @@ struct Corners {
 inline Corners cornersAt(const GridShape& s, const real3& at, const real3& last) {
   const GridPlace place = gridPlace(at, last);
   Corners out;
-  storeWhole(madd(place.low.z, lit(static_cast<double>(s.layer())),
+  storeAsInt(madd(place.low.z, lit(static_cast<double>(s.layer())),
                   madd(place.low.y, lit(static_cast<double>(s.row())), place.low.x)),
              out.first);
   out.part = place.part;
@@ -25,7 +25,7 @@ inline Corners cornersAt(const GridShape& s, const real3& at) {
   const real last = lit(s.cells - 1);
   return cornersAt(s, at, makeReal3(last, last, last));
 }
-// What a field has at them. Neighbours along x are read together, which takes less than gathering.
+// Values of a field at the eight corners. Neighbours along x are loaded as pairs, which is faster than gathering.
 inline void readCorners(const GridShape& s, const Scalar* field, const Corners& corners, real (&v)[8]) {
   const size_t y = s.row();
   for (int z = 0; z < 2; ++z)
@@ -36,7 +36,7 @@ inline void readCorners(const GridShape& s, const Scalar* field, const Corners& 
         },
         v + 4 * z);
 }
-// Corners::part, to be looked at lane by lane.
+// Corners::part in memory, for access lane by lane.
 struct CornerParts {
   alignas(64) Scalar of[3][kLanes];
   explicit CornerParts(const real3& part) {
@@ -45,7 +45,7 @@ struct CornerParts {
     store(part.z, of[2]);
   }
 };
-// Four numbers of nodes at the corners of one lane.
+// Nodes of four numbers, interpolated at the position of one lane.
 inline quads::real sampled(const GridShape& s, const Scalar* nodes, const Corners& corners, const CornerParts& parts,
                            int lane) {
   const Scalar* n = nodes + 4 * size_t{corners.first[lane]};
@@ -57,7 +57,7 @@ inline quads::real sampled(const GridShape& s, const Scalar* nodes, const Corner
                              quads::load(n + z + y + 4), part);
 }
 
-// Of the body where it is at the end of the step, placed once for all points.
+// Distances to the body at the end of the step. The body is placed once for all points.
 inline void distancesPass(const MovingPrimitive& primitive, const uint32_t* words, const float* points, size_t count,
                           float* out) {
   const SubstepBody body = bodyAt(primitive, words, 1, 1, 1, 0);
@@ -90,7 +90,7 @@ inline void centrePass(const WindView<Scalar>& w, int k) {
   }
 }
 
-// Displacement by the velocity half way (midpoint rule). Where the row ends, as at its last cell.
+// Displacement by the velocity at half the way (midpoint rule). The padding at both ends of a row repeats the end cells.
 inline void displacePass(const WindView<Scalar>& w, Scalar courant, Scalar* const* out, int k) {
   const GridShape& s = w.shape;
   for (int j = 0; j < s.cells; ++j) {
@@ -116,7 +116,7 @@ inline void displacePass(const WindView<Scalar>& w, Scalar courant, Scalar* cons
   }
 }
 
-// How far what comes to faces of component `axis` has gone: the mean of the cells on both sides.
+// Displacement of the air that arrives at faces of component `axis`: the mean of the cells on both sides.
 inline real3 displacementAt(const GridShape& s, Scalar* const* of_cells, int axis, int i, int j, int k) {
   const int jb = inside(axis == 1 ? j - 1 : j, s.cells), kb = inside(axis == 2 ? k - 1 : k, s.cells);
   const size_t after = startOf(s, inside(j, s.cells), inside(k, s.cells)) + static_cast<size_t>(i);
@@ -141,7 +141,8 @@ inline Advected valueAt(const GridShape& s, const Scalar* field, int axis, const
   }
   return out;
 }
-// Beyond the grid's own box, half a cell out of the places of components that do not lie on its faces.
+// Whether a position is outside the box of the grid. On the axes across `axis` values stand at cell centres, half a cell inside the
+// box.
 inline mask beyond(const GridShape& s, int axis, const real3& at) {
   const double n = s.cells;
   auto out = [&](const real& x, bool own) { return x < lit(own ? 0 : -0.5) || x > lit(own ? n : n - 0.5); };
@@ -192,7 +193,7 @@ inline void correctPass(const WindView<Scalar>& w, int axis, Scalar* out, int k)
   }
 }
 
-// One explicit step of viscosity; beyond the outermost values everything is as they are.
+// One explicit step of viscosity; outside the grid the outermost values are repeated.
 inline void diffusePass(const WindView<Scalar>& w, int axis, Scalar coefficient, int k) {
   const GridShape& s = w.shape;
   const int rows = rowsOf(s, axis), columns = columnsOf(s, axis), layers = axis == 2 ? s.cells + 1 : s.cells;
@@ -229,7 +230,7 @@ inline void exchangePass(const WindView<Scalar>& w, int axis, int k) {
   }
 }
 
-// As exchangePass(), where air slips along hair.
+// As exchangePass(), with anisotropic drag of hair.
 inline void exchangeAmongPass(const WindView<Scalar>& w, int axis, int k) {
   const GridShape& s = w.shape;
   for (int j = 0; j < rowsOf(s, axis); ++j) {
@@ -255,8 +256,7 @@ inline void exchangeAmongPass(const WindView<Scalar>& w, int axis, int k) {
   }
 }
 
-// What the cells of a row weigh their neighbours with: each face's own, or one for all, which then need not be read. The
-// results are the same.
+// Weights of the faces of a row: stored per face, or one for all faces, which then are not loaded. The results are equal.
 struct StoredWeights {
   const PressureView<Scalar>& p;
   real open(int axis, size_t face) const { return loadAt(p.open[axis] + face); }
@@ -283,7 +283,7 @@ template <class Weights>
 inline real residualAt(const GridShape& s, const Weights& w, const Scalar* x, const Scalar* right, size_t c) {
   return loadAt(right + c) - (w.diagonal(c) * loadAt(x + c) - neighbours(s, w, x, c));
 }
-// body(c) for the first cell of every vector of a layer.
+// Calls body(c) for the first cell of every vector of a layer.
 template <class Body>
 inline void alongRows(const GridShape& s, int k, const Body& body) {
   for (int j = 0; j < s.cells; ++j) {
@@ -291,7 +291,7 @@ inline void alongRows(const GridShape& s, int k, const Body& body) {
     for (int i = 0; i < s.cells; i += kLanes) body(row + static_cast<size_t>(i));
   }
 }
-// body(c, weights) likewise. Behind the end of a row weights are 0, so that vectors must end there to be even.
+// Calls body(c, weights) likewise. Weights behind the end of a row are 0, so equal weights need rows of whole vectors.
 template <class Body>
 inline void alongWeights(const PressureView<Scalar>& p, int k, const Body& body) {
   const GridShape& s = p.shape;
@@ -320,10 +320,10 @@ inline void outflowAlong(const WindView<Scalar>& w, const PressureView<Scalar>& 
   });
 }
 inline void outflowPass(const WindView<Scalar>& w, const PressureView<Scalar>& p, Scalar* right, int k) {
-  if (w.wanted == nullptr)
+  if (w.target_divergence == nullptr)
     outflowAlong(w, p, [](size_t) { return lit(0); }, right, k);
   else
-    outflowAlong(w, p, [&](size_t c) { return loadAt(w.wanted + c); }, right, k);
+    outflowAlong(w, p, [&](size_t c) { return loadAt(w.target_divergence + c); }, right, k);
 }
 inline Scalar fastestPass(const WindView<Scalar>& w, int k) {
   real most = lit(0);
@@ -355,7 +355,7 @@ inline void smoothPass(const PressureView<Scalar>& p, const Scalar* x, const Sca
 inline void residualPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar* out, int k) {
   alongWeights(p, k, [&](size_t c, const auto& w) { storeAt(residualAt(p.shape, w, x, right, c), out + c); });
 }
-// Sums of eight cells, of a layer of the coarser grid. What vectors have behind the end of its rows does not count.
+// Sums of eight cells for a layer of the coarser grid. Values that vectors write behind the end of a row are not used.
 inline void restrictPass(const GridShape& fine, const Scalar* in, const GridShape& coarse, Scalar* out, int k) {
   const size_t y = fine.row(), z = fine.layer();
   for (int j = 0; j < coarse.cells; ++j)
@@ -371,7 +371,7 @@ inline void restrictPass(const GridShape& fine, const Scalar* in, const GridShap
       storeAt(sum, out + startOf(coarse, j, k) + i);
     }
 }
-// To the cells of a layer that are not solid, what the coarser grid has there.
+// Adds the values of the coarser grid to the cells of a layer that are not solid.
 inline void prolongPass(const PressureView<Scalar>& p, const GridShape& coarse, const Scalar* in, Scalar* x, int k) {
   for (int j = 0; j < p.shape.cells; ++j)
     for (int i = 0; i < coarse.cells; i += kLanes) {
@@ -420,21 +420,21 @@ inline void subtractGradientPass(const WindView<Scalar>& w, const PressureView<S
     for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
       const size_t c = startOf(s, j, k) + static_cast<size_t>(i);
       Scalar* out = w.velocity[axis] + c;
-      storeAt(lessGradient(loadAt(out), loadAt(p.open[axis] + c), loadAt(pressure + c - s.next(axis)),
+      storeAt(projectVelocity(loadAt(out), loadAt(p.open[axis] + c), loadAt(pressure + c - s.next(axis)),
                            loadAt(pressure + c)),
               out);
     }
 }
 
-// Samples at the grid's border, and what is not finite, are left out: what is spread from them must stay in the grid.
+// Samples near the border of the grid and positions that are not finite are left out: splats and blurs must stay inside.
 inline mask isInGrid(const GridShape& s, const real3& at) {
   const real low = lit(2), high = lit(s.cells - 3);
   return at.x >= low && at.x <= high && at.y >= low && at.y <= high && at.z >= low && at.z <= high;
 }
 
-constexpr double kSane = 1e4;          // m/s
-constexpr size_t kSamplesTogether = 128;  // stay in the nearest cache from one loop to the next
-// Where samples will lie in the world and how fast they are, 4 numbers each.
+constexpr double kSane = 1e4;          // m/s; a faster strand has diverged
+constexpr size_t kSamplesTogether = 128;  // fit the L1 cache between the two loops
+// Extrapolated positions (m, 4 numbers each, into `places`) and velocities (into v.motion) of samples.
 inline void locate(const SplatView<Scalar>& v, size_t begin, size_t end, Scalar* places) {
   static constexpr Scalar kOne[4] = {0, 0, 0, 1};
   const quads::real unit = quads::load(kOne), ahead = quads::fill(v.ahead);
@@ -465,7 +465,7 @@ inline SplatReach<Scalar> placePass(const SplatView<Scalar>& v, size_t begin, si
       loadFours(places + 4 * (n - first), x);
       loadFours(v.motion + 4 * n, u);
       const real a = abs(u[0]), b = abs(u[1]), c = abs(u[2]);
-      // A sample whose strand went wrong is left out, as beyond the grid.
+      // A sample of a strand that diverged is left out: its position is set outside the grid.
       const mask sane = a < lit(kSane) && b < lit(kSane) && c < lit(kSane);
       for (int r = 0; r < 3; ++r) {
         const Scalar* f = v.frame + 3 * r;
@@ -485,13 +485,13 @@ inline SplatReach<Scalar> placePass(const SplatView<Scalar>& v, size_t begin, si
   SplatReach<Scalar> out;
   out.fastest = largest(most);
   for (int r = 0; r < 3; ++r) {
-    out.low[r] = leastOf(low[r]);
+    out.low[r] = reduceMin(low[r]);
     out.high[r] = largest(high[r]);
   }
   return out;
 }
 
-// body(n, corners, in) for each vector of samples, `in` those that lie in the grid; the others have any corners.
+// Calls body(n, corners, in) for each vector of samples. `in`: lanes inside the grid; other lanes have arbitrary valid corners.
 template <class Body>
 inline void eachInGrid(const SplatView<Scalar>& v, size_t begin, size_t end, const Body& body) {
   for (size_t n = begin; n < end; n += kLanes) {
@@ -503,8 +503,8 @@ inline void eachInGrid(const SplatView<Scalar>& v, size_t begin, size_t end, con
          cornersAt(v.shape, makeReal3(select(in, at.x, lit(2)), select(in, at.y, lit(2)), select(in, at.z, lit(2)))), in);
   }
 }
-// spread(lane, node, low, high) for the lanes of the mask: their first corner and the shares of all, of the four corners of
-// its layer and of those of the next.
+// Calls spread(lane, node, low, high) for the lanes of the mask. `node`: first corner; `low`, `high`: weights of the four corners of
+// its layer and of the next layer.
 template <class Spread>
 inline void spreadOver(const Corners& corners, const mask& lanes, const Spread& spread) {
   alignas(64) Scalar shares[2][4 * kLanes];
@@ -530,7 +530,7 @@ inline void splatPass(const SplatView<Scalar>& v, size_t begin, size_t end, int3
     });
   });
 }
-// One number of nodes at corners.
+// Nodes of one number, interpolated.
 inline real sampledNumber(const GridShape& s, const Scalar* nodes, const Corners& corners) {
   real v[8];
   readCorners(s, nodes, corners, v);
@@ -565,7 +565,7 @@ inline void crowdPass(const SplatView<Scalar>& v, size_t begin, size_t end, cons
   });
 }
 
-// body(c) for the first number of every vector of a layer that meets the box; nodes have `numbers` numbers.
+// Calls body(c) for the first number of every vector of a layer that intersects the box; nodes have `numbers` numbers.
 template <class Body>
 inline void alongBox(const GridShape& s, int numbers, const NodeBox& box, int k, const Body& body) {
   for (int j = box.min().y(); j <= box.max().y(); ++j) {
@@ -580,7 +580,7 @@ inline void blurPass(const GridShape& s, int numbers, int axis, const NodeBox& b
     storeAt(blurred(loadAt(in + c - next), loadAt(in + c), loadAt(in + c + next)), out + c);
   });
 }
-// Density^(-1/2) of nodes that have hair.
+// density^(-1/2) of nodes with hair.
 inline real thinAt(const HairView<Scalar>& h, const mask& hairy, size_t c) {
   return lit(1) / sqrt(select(hairy, loadAt(h.density + c), lit(1)));
 }
@@ -618,7 +618,7 @@ inline void forcesPass(const HairView<Scalar>& h, const NodeBox& box, int k) {
   });
 }
 
-// out(n, sampled): what nodes have at each of `count` places.
+// Calls out(n, value) with the interpolated nodes of each of `count` positions.
 template <class Out>
 inline void eachSampled(const GridShape& s, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,
                         const Out& out) {

@@ -6,7 +6,7 @@
 #include "kernels/scalar_float.h"
 
 namespace strandcast {
-// The order matters.
+// The order of includes matters: later text uses the lane vocabulary of earlier text.
 // clang-format off
 namespace kernels::f32 {
 #include "core/body_surface.inl"

@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace strandcast::air::HWY_NAMESPACE {
 
-// The order matters.
+// The order of includes matters: later text uses the lane vocabulary of earlier text.
 // clang-format off
 #include "kernels/lanes_highway.inl"
 #include "kernels/end_lanes.inl"
@@ -35,9 +35,9 @@ HWY_EXPORT(passes);
 
 const GridPasses<float>& simdPasses() {
   static const GridPasses<float> table = [] {
-    // HWY_TARGETS is what was compiled. Lower bits are better.
+    // HWY_TARGETS: compiled targets as bits; a lower bit is a better target.
     const int64_t runnable = hwy::SupportedTargets() & HWY_TARGETS, best = runnable & -runnable;
-    hwy::ChosenTarget chosen;  // of its own: the process-wide choice stays as it is
+    hwy::ChosenTarget chosen;  // a local one: the process-wide choice is not changed
     chosen.Update(best);
     GridPasses<float> made = air::HWY_DISPATCH_TABLE(passes)[chosen.GetIndex()]();
     made.name = hwy::TargetName(best);

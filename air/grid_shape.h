@@ -7,9 +7,9 @@
 
 namespace strandcast {
 
-/// How the numbers of a cubic grid lie in memory: x fastest, rows padded so that there is a number before the
-/// first and behind the last of every row, row and layer, and that vectors of 16 may read and write past a
-/// row's end. Places -1 .. cells of each axis exist for one axis at a time.
+/// Memory layout of a cubic grid: x fastest. Rows and layers are padded, so every row, layer and grid has an
+/// element before its first and behind its last one, and vectors of 16 may read and write past the end of a
+/// row. An index may be -1 or `cells` on one axis at a time.
 struct GridShape {
   int cells = 0;  ///< per axis
 
@@ -19,14 +19,14 @@ struct GridShape {
   size_t at(int i, int j, int k) const {
     return layer() * static_cast<size_t>(k + 1) + row() * static_cast<size_t>(j) + static_cast<size_t>(i);
   }
-  /// From a place to the next along `axis`.
+  /// Stride between neighbours along `axis`.
   size_t next(int axis) const { return axis == 0 ? 1 : axis == 1 ? row() : layer(); }
 };
 
-/// Nodes or cells from min() to max(), both within.
+/// Nodes or cells from min() to max(), both inclusive.
 using NodeBox = Eigen::AlignedBox3i;
 
-/// Numbers of a grid, [GridShape::size()].
+/// Values of a grid; GridShape::size() elements (times the components of a node).
 template <class Scalar>
 using GridArray = std::vector<Scalar, CacheLineAllocator<Scalar>>;
 

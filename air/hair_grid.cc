@@ -11,7 +11,7 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kMostSumBytes = size_t{1} << 28;  // of all chunks
+constexpr size_t kMostSumBytes = size_t{1} << 28;  // limit of all chunks' sums together
 constexpr int kMostChunks = 16;
 
 NodeBox grown(const NodeBox& box) {
@@ -19,7 +19,7 @@ NodeBox grown(const NodeBox& box) {
                        : NodeBox(box.min() - Eigen::Vector3i::Ones(), box.max() + Eigen::Vector3i::Ones());
 }
 
-/// Nodes of `numbers` numbers in a box, of a whole array.
+/// Clears the nodes of `numbers` numbers in `box`. `array`: a whole array of the grid.
 template <class Array>
 void clear(const GridShape& shape, size_t numbers, const NodeBox& box, Array* array) {
   if (box.isEmpty()) return;
@@ -97,8 +97,8 @@ void HairGrid<Scalar>::boundCrowding(float volume_target) {
   }
 }
 
-// Of samples first, so that it is exactly 0 where hair is as at rest, then of nodes: the mean of their
-// samples'.
+// Crowding is evaluated per sample, so it is exactly 0 where hair has its rest density. A node gets the mean
+// of its samples.
 template <class Scalar>
 void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, double seconds,
                                     const NodeBox& box) {
@@ -276,7 +276,7 @@ void HairGrid<Scalar>::eachLayer(const NodeBox& box, const Work& work) const {
 template <class Scalar>
 NodeBox HairGrid<Scalar>::blurBox(bool crowds, bool rubs) {
   NodeBox box = grown(blurred_.merged(filled_));
-  // What was left out for a while is where hair was before that.
+  // Fields that were not blurred for some steps hold values at former positions of the hair: blur everywhere.
   if (crowds != crowded_before_ || rubs != rubbed_before_)
     box = NodeBox(Eigen::Vector3i::Zero(), Eigen::Vector3i::Constant(shape_.cells - 1));
   blurred_ = filled_;
@@ -285,7 +285,7 @@ NodeBox HairGrid<Scalar>::blurBox(bool crowds, bool rubs) {
   return box;
 }
 
-// Samples stay two nodes away from the grid's border, so that what is grown by one does not leave it.
+// Samples keep two nodes from the border of the grid, so a box grown by one node stays inside.
 template <class Scalar>
 void HairGrid<Scalar>::blur(int numbers, const NodeBox& box, GridArray<Scalar>& field) {
   const size_t start = origin_ * static_cast<size_t>(numbers);

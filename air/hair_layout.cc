@@ -8,7 +8,7 @@
 namespace strandcast {
 namespace {
 
-constexpr double kFastestWave = 1.4;  // cells in a step; with 2, hair that was pushed apart trembles
+constexpr double kFastestWave = 1.4;  // cells in a step; with 2, hair that was pushed apart vibrates
 constexpr int kMargin = 6;            // cells around the groom at rest
 
 }  // namespace
@@ -18,8 +18,9 @@ double HairLayout::largestStiffness(double seconds) const {
   return speed * speed;
 }
 
-Pose HeadCourse::ahead(const Pose& begin, const Pose& end) {
-  if (std::exchange(retold_, false)) {  // not by how far: begin has been rounded anew
+Pose HeadExtrapolation::ahead(const Pose& begin, const Pose& end) {
+  if (std::exchange(
+          retold_, false)) {  // `begin` was rounded to the new origin; the shift alone would not reproduce it
     begin_.position += begin.position - end_.position;
     end_.position = begin.position;
   }
@@ -29,7 +30,7 @@ Pose HeadCourse::ahead(const Pose& begin, const Pose& end) {
   known_ = true;
   begin_ = begin;
   end_ = end;
-  const auto part = static_cast<float>(kernels::f64::partAhead());
+  const auto part = static_cast<float>(kernels::f64::extrapolationShare());
   const Quat turn = begin.rotation * before.rotation.conjugate();
   return {begin.position + part * (begin.position - before.position),
           (Quat::Identity().slerp(part, turn) * begin.rotation).normalized()};

@@ -3,13 +3,14 @@
 
 namespace strandcast {
 
-/// Where the nodes of the hair grid are, in the frame of the groom, and what is the same on every backend.
+/// Placement of the hair grid's nodes in the frame of the groom, and constants shared by all backends.
 struct HairLayout {
   int cells;    ///< nodes per axis
   float cell;   ///< m
   Vec3 corner;  ///< m, of node (0, 0, 0)
 
-  /// From the world to places in cells, `head` carrying the grid: 3 rows of 3, then the offset.
+  /// Writes the affine map from positions (m) to grid coordinates (cells) while `head` carries the grid:
+  /// 12 numbers, 3 rows of 3, then the offset.
   template <class Scalar>
   void frame(const Pose& head, Scalar* out) const {
     const Eigen::Matrix3f turn = Eigen::Quaternionf(head.rotation).toRotationMatrix().transpose();
@@ -20,20 +21,20 @@ struct HairLayout {
       out[9 + r] = static_cast<Scalar>(offset[r]);
     }
   }
-  /// The largest stiffness that is heeded with steps of `seconds`, m^2/s^2: waves of pressure must not go
-  /// much farther than a cell in a step.
+  /// Upper bound of the stiffness for steps of `seconds`, m^2/s^2: pressure waves must not travel much
+  /// farther than a cell in a step.
   double largestStiffness(double seconds) const;
 };
 
-/// How the head, which carries the grid, goes from step to step.
-class HeadCourse {
+/// Extrapolates the pose of the head, which carries the hair grid, from step to step.
+class HeadExtrapolation {
  public:
-  /// Where it will be partAhead() of the step that is about to be done from `begin` to `end`, if it goes on
-  /// as in the last one; where it is now, if that did not take it there, as after steps without air.
+  /// Pose after the part extrapolationShare() of the step from `begin` to `end`, extrapolated with the motion of the
+  /// last step. Returns `begin` where the last call did not end there, as after steps without air.
   Pose ahead(const Pose& begin, const Pose& end);
-  /// It has been put elsewhere.
+  /// The head was teleported: the last motion is discarded.
   void forget() { known_ = false; }
-  /// Places are told from elsewhere from now on; it is where the last step took it.
+  /// Origin rebasing: the next `begin` is where the last step ended, in other coordinates.
   void moveOrigin() { retold_ = true; }
 
  private:
@@ -41,15 +42,15 @@ class HeadCourse {
   Pose begin_, end_;  ///< of the last step
 };
 
-/// `box`: of the groom at rest, m.
+/// `box`: bounds of the groom at rest, m.
 HairLayout hairLayout(const Box& box, int cells);
 
-constexpr double kWhole = 1 << 30;  ///< what all hair in one node would come to in whole numbers
-/// Densities are known to about this part of themselves: floats that places are made of, whole numbers that
-/// shares are. Hair is denser than at rest only where it is by more.
+constexpr double kWhole = 1 << 30;  ///< fixed-point value of a node that holds all hair
+/// Relative error of densities, from floats in positions and fixed-point shares. Hair counts as denser than
+/// at rest only beyond this.
 constexpr double kDensityNoise = 1e-4;
-/// A sample alone makes a density of at least this x its mass / cell^3 where it is: 0.375^3.
+/// A single sample makes at its own position a density of at least this x mass / cell^3: 0.375^3.
 constexpr double kDensityAlone = 0.05;
-constexpr double kMostHeld = 3;  ///< of what crowding comes to at most, that is held
+constexpr double kMostHeld = 3;  ///< bound of the held crowding, in units of the largest crowding
 
 }  // namespace strandcast

@@ -1,15 +1,15 @@
-// The same as air/lanes_scalar.inl over Highway's vectors. Included inside a target's namespace after
+// Counterpart of air/lanes_scalar.inl over Highway's vectors. Included inside a target's namespace after
 // kernels/lanes_highway.inl.
 HWY_INLINE real loadAt(const Scalar* p) { return {hn::LoadU(Tag(), p)}; }
 HWY_INLINE void storeAt(real value, Scalar* p) { hn::StoreU(value.v, Tag(), p); }
-// Four numbers of every lane, lane after lane.
+// Interleaved access: four numbers per lane.
 HWY_INLINE void loadFours(const Scalar* p, real* out) {
   hn::LoadInterleaved4(Tag(), p, out[0].v, out[1].v, out[2].v, out[3].v);
 }
 HWY_INLINE void storeFours(const real* in, Scalar* p) {
   hn::StoreInterleaved4(in[0].v, in[1].v, in[2].v, in[3].v, Tag(), p);
 }
-// The same of two.
+// Interleaved access: two numbers per lane.
 HWY_INLINE void loadTwos(const Scalar* p, real* out) { hn::LoadInterleaved2(Tag(), p, out[0].v, out[1].v); }
 HWY_INLINE void storeTwos(const real* in, Scalar* p) { hn::StoreInterleaved2(in[0].v, in[1].v, Tag(), p); }
 HWY_INLINE Scalar largest(real a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
@@ -37,8 +37,8 @@ HWY_INLINE real min(real a, real b) { return {hn::Min(a.v, b.v)}; }
 HWY_INLINE real max(real a, real b) { return {hn::Max(a.v, b.v)}; }
 HWY_INLINE real floor(real a) { return {hn::Floor(a.v)}; }
 HWY_INLINE real sqrt(real a) { return {hn::Sqrt(a.v)}; }
-HWY_INLINE real threeOf(const float* p) {  // then 0
-#if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32  // loads under a mask do not touch what it leaves out
+HWY_INLINE real threeOf(const float* p) {  // p[0], p[1], p[2], 0
+#if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32  // masked loads do not access masked-out elements
   return {hn::MaskedLoad(hn::FirstN(Tag(), 3), Tag(), p)};
 #else
   const hn::FixedTag<float, 2> half;
@@ -59,8 +59,8 @@ HWY_INLINE void store(real a, Scalar* p) { hn::StoreU(a.v, Tag(), p); }
 #include "kernels/end_lanes.inl"
 }  // namespace quads
 
-// Four numbers of a sample, from `numbers` x mass x scales, to be shared out to nodes of four whole numbers. As many times
-// over as corners are added to at once.
+// Four numbers of a sample, `numbers` x mass x scales, to be splatted to nodes of four fixed-point numbers. Repeated for as many
+// corners as one vector updates.
 #if !HWY_ARCH_X86 || HWY_MAX_BYTES < 32
 using SharedTag = quads::Tag;
 #else
@@ -72,7 +72,7 @@ HWY_INLINE Shared sharedOut(const Scalar* numbers, Scalar mass, const Scalar* sc
   return hn::Mul(hn::Mul(hn::LoadDup128(tag, numbers), hn::Set(tag, mass)), hn::LoadDup128(tag, scales));
 }
 #if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32
-// Four lanes for each share.
+// Each share in four lanes.
 HWY_INLINE Shared sharesFrom(const Scalar* shares, const int32_t* which) {
   const SharedTag tag;
   return hn::TableLookupLanes(hn::LoadDup128(tag, shares), hn::SetTableIndices(tag, which));
@@ -83,8 +83,8 @@ HWY_INLINE void addTwoNodes(Numbers numbers, int32_t* node) {
   hn::StoreU(hn::Add(hn::LoadU(whole, node), numbers), whole, node);
 }
 #endif
-// To the node, the next one along x and the same of the next row, the four shares of what was splatted, by fixedPoint of
-// kernels/grid.h. x86 has it whole without hn::ConvertTo, which takes as long as the rest to see that nothing is above 2^31.
+// Adds the four shares of a splat to the node, its neighbour along x and the same two of the next row, rounded as fixedPoint() in
+// kernels/grid.h. x86 uses conversion intrinsics: hn::ConvertTo also checks for values above 2^31, which takes as long as the rest.
 HWY_INLINE void addShares(Shared splatted, const Scalar* shares, int32_t* node, size_t row) {
 #if !HWY_ARCH_X86 || HWY_MAX_BYTES < 32
   const hn::FixedTag<int32_t, 4> whole;
@@ -110,8 +110,8 @@ HWY_INLINE void addShares(Shared splatted, const Scalar* shares, int32_t* node, 
 #endif
 #endif
 }
-// of(lane): four numbers of each lane, which become four times a number of all lanes. From registers, because wide loads
-// wait for the narrow stores that they would read.
+// Transposes of(lane), four numbers per lane, into four vectors of one number of all lanes. Works in registers: wide loads after
+// narrow stores would stall on store forwarding.
 template <class Of>
 HWY_INLINE void transposed(const Of& of, real* out) {
   const Tag tag;

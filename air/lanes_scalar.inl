@@ -1,14 +1,14 @@
-// What grids need beyond the lane vocabulary, over one number a lane. Included inside a namespace of kernels/scalar_*.h.
-inline real loadAt(const Scalar* p) { return *p; }  // from anywhere, as storeAt
+// Additions of the grid passes to the lane vocabulary, with one lane. Included inside a namespace of kernels/scalar_*.h.
+inline real loadAt(const Scalar* p) { return *p; }  // no alignment needed, as of storeAt
 inline void storeAt(real value, Scalar* p) { *p = value; }
-// Four numbers of every lane, lane after lane.
+// Interleaved access: four numbers per lane.
 inline void loadFours(const Scalar* p, real* out) {
   for (int c = 0; c < 4; ++c) out[c] = p[c];
 }
 inline void storeFours(const real* in, Scalar* p) {
   for (int c = 0; c < 4; ++c) p[c] = in[c];
 }
-// The same of two.
+// Interleaved access: two numbers per lane.
 inline void loadTwos(const Scalar* p, real* out) {
   out[0] = p[0];
   out[1] = p[1];

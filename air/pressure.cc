@@ -7,7 +7,8 @@
 namespace strandcast {
 namespace {
 
-constexpr int kCellsOfOneThread = 32;  ///< per axis: fewer layers are not worth waking others for
+constexpr int kCellsOfOneThread =
+    32;  ///< per axis; up to this size one thread does all layers, for waking others costs more
 
 }  // namespace
 
@@ -49,11 +50,11 @@ void PressureSolver<Scalar>::eachLayer(const Level& level, const Work& work) con
   }
 }
 
-// One thread has every stage follow the one before it at a layer's distance, while what that wrote is in the
-// nearest cache.
+// On one thread each stage follows the one before it at a distance of one layer, whose results are still in
+// the L1 cache.
 template <class Scalar>
 template <class... Stages>
-void PressureSolver<Scalar>::inTurn(const Level& level, const Stages&... stages) const {
+void PressureSolver<Scalar>::pipelineLayers(const Level& level, const Stages&... stages) const {
   const int n = level.view.shape.cells;
   if (n > kCellsOfOneThread && workers_.threads() > 1) {
     (eachLayer(level, stages), ...);
@@ -100,7 +101,8 @@ void PressureSolver<Scalar>::findEvenRows(Level& level) {
   });
 }
 
-// A coarse face lets through what its four faces do, over twice the way.
+// A coarse face has the sum of the weights of its four fine faces, halved: the distance of cell centres is
+// twice as long.
 template <class Scalar>
 void PressureSolver<Scalar>::coarsen(const Level& fine, Level& coarse) {
   const GridShape &f = fine.view.shape, &c = coarse.view.shape;
@@ -137,7 +139,8 @@ void PressureSolver<Scalar>::cycle(size_t at, const Scalar* right) {
   if (at + 1 == levels_.size()) {
     std::fill(level.smoothed.begin(), level.smoothed.end(), Scalar(0));
     for (int i = 0; i < kCoarsestSweeps; ++i)
-      inTurn(level, smooth(y, x, i % 2 == 0 ? first : second), smooth(x, y, i % 2 == 0 ? second : first));
+      pipelineLayers(level, smooth(y, x, i % 2 == 0 ? first : second),
+                     smooth(x, y, i % 2 == 0 ? second : first));
     return;
   }
   Scalar* left = level.left.data() + level.origin;
@@ -145,14 +148,14 @@ void PressureSolver<Scalar>::cycle(size_t at, const Scalar* right) {
   const GridShape& c = coarse.view.shape;
   Scalar *coarse_right = coarse.right.data() + coarse.origin,
          *coarse_x = coarse.smoothed.data() + coarse.origin;
-  inTurn(
+  pipelineLayers(
       level, smooth(nullptr, x, first), smooth(x, y, second),
       [&](int k) { passes_.residual(level.view, y, right, left, k); },
       [&](int k) {
         if (k % 2 != 0) passes_.restrict(s, left, c, coarse_right, k / 2);
       });
   cycle(at + 1, coarse_right);
-  inTurn(
+  pipelineLayers(
       level, [&](int k) { passes_.prolong(level.view, c, coarse_x, y, k); }, smooth(y, x, second),
       smooth(x, y, first));
 }
@@ -180,8 +183,8 @@ PressureReport PressureSolver<Scalar>::solve(const Scalar* right, Scalar* pressu
     const double now = total();
     const Scalar turn = report.iterations > 0 ? static_cast<Scalar>(now / before) : Scalar(0);
     before = now;
-    inTurn(
-        top, [&](int k) { passes_.turn(s, turn, z, step, k); },
+    pipelineLayers(
+        top, [&](int k) { passes_.updateDirection(s, turn, z, step, k); },
         [&](int k) { sums_[k] = passes_.apply(top.view, step, image, k); });
     const double curvature = total();
     if (!(curvature > 0)) break;

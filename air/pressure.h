@@ -8,28 +8,29 @@
 
 namespace strandcast {
 
-/// The pressure that takes the divergence from a wind grid: conjugate gradients, preconditioned by a
-/// multigrid V-cycle (McAdams, Sifakis, Teran 2010, "A parallel multigrid Poisson solver for fluids
-/// simulation on large grids"). Two Jacobi sweeps before and after, with Chebyshev's weights; cells join by
-/// eights.
+/// Solves for the pressure that removes the divergence of a wind grid: conjugate gradients with a multigrid
+/// V-cycle as preconditioner (McAdams, Sifakis, Teran 2010, "A parallel multigrid Poisson solver for fluids
+/// simulation on large grids"). Two Jacobi sweeps with Chebyshev weights before and after the coarse
+/// correction; a coarse cell consists of eight fine cells.
 template <class Scalar>
 class PressureSolver {
  public:
   PressureSolver(const GridPasses<Scalar>& passes, const Workers& workers, int cells);
 
-  /// 1 or 0 per face of `axis`, from place (0, 0, 0), to be set before build(). Places 0 and `cells` are the
-  /// grid's border; beyond it the pressure is 0.
+  /// Per face of `axis`: 1 open, 0 closed. From index (0, 0, 0), to be set before build(). Faces 0 and
+  /// `cells` are the border of the grid; outside it the pressure is 0.
   Scalar* open(int axis) { return levels_[0].open[axis].data() + levels_[0].origin; }
+  /// Builds the levels from open(). Does not allocate.
   void build();
   const PressureView<Scalar>& finest() const { return levels_[0].view; }
 
-  /// From `pressure` as it is, until no cell's residual is above `tolerance` (m/s). Arrays of the grid's
-  /// shape, from place (0, 0, 0).
+  /// Iterates from the given `pressure` (warm start) until the residual of every cell is at most `tolerance`
+  /// (m/s). Arrays of the grid's shape, from index (0, 0, 0).
   PressureReport solve(const Scalar* right, Scalar* pressure, Scalar tolerance, int most_iterations);
 
  private:
   struct Level {
-    size_t origin;  ///< of place (0, 0, 0)
+    size_t origin;  ///< offset of index (0, 0, 0)
     GridArray<Scalar> open[3], diagonal, inverse_diagonal, even, x, smoothed, right, left;
     PressureView<Scalar> view;
   };
@@ -38,10 +39,10 @@ class PressureSolver {
   void coarsen(const Level& fine, Level& coarse);
   template <class Work>
   void eachLayer(const Level& level, const Work& work) const;
-  /// Stages that each need layers k - 1 to k + 1 of the one before it for their layer k.
+  /// Runs stages over all layers. Layer k of a stage needs layers k - 1 to k + 1 of the stage before it.
   template <class... Stages>
-  void inTurn(const Level& level, const Stages&... stages) const;
-  /// Approximate solution in level.smoothed.
+  void pipelineLayers(const Level& level, const Stages&... stages) const;
+  /// One V-cycle from level `at` down; the approximate solution is in level.smoothed.
   void cycle(size_t at, const Scalar* right);
 
   const GridPasses<Scalar>& passes_;

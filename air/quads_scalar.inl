@@ -1,4 +1,4 @@
-// `quads`: the kernel text with four numbers of one node in the place of lanes. Included inside a namespace that has Scalar.
+// `quads`: the kernel text with the four numbers of one node as lanes. Included inside a namespace that has Scalar.
 namespace quads {
 struct real {
   Scalar v[4];
@@ -13,7 +13,7 @@ struct mask {
 inline real lit(double value) { STRANDCAST_EACH(static_cast<Scalar>(value)) }
 inline real fill(Scalar value) { STRANDCAST_EACH(value) }
 inline real load(const Scalar* p) { STRANDCAST_EACH(p[c]) }
-inline real threeOf(const float* p) { STRANDCAST_EACH(c < 3 ? static_cast<Scalar>(p[c]) : 0) }  // then 0
+inline real threeOf(const float* p) { STRANDCAST_EACH(c < 3 ? static_cast<Scalar>(p[c]) : 0) }  // p[0], p[1], p[2], 0
 inline real twoAndTwo(const Scalar* p, const Scalar* q) { STRANDCAST_EACH(c < 2 ? p[c] : q[c - 2]) }
 inline real lastOf(const real& a) { STRANDCAST_EACH(a.v[3]) }
 inline real operator+(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] + b.v[c]) }
@@ -35,12 +35,12 @@ inline void store(const real& a, Scalar* p) {
 #include "kernels/end_lanes.inl"
 }  // namespace quads
 
-// Four numbers of a sample, from `numbers` x mass x scales, to be shared out to nodes of four whole numbers.
+// Four numbers of a sample, `numbers` x mass x scales, to be splatted to nodes of four fixed-point numbers.
 using Shared = quads::real;
 inline Shared sharedOut(const Scalar* numbers, Scalar mass, const Scalar* scales) {
   return quads::load(numbers) * quads::fill(mass) * quads::load(scales);
 }
-// To the node, the next one along x and the same of the next row, the four shares of what was splatted.
+// Adds the four shares of a splat to the node, its neighbour along x and the same two of the next row.
 inline void addShares(const Shared& splatted, const Scalar* shares, int32_t* node, size_t row) {
   int32_t* const corners[4] = {node, node + 4, node + row, node + row + 4};
   for (int corner = 0; corner < 4; ++corner) {
@@ -48,7 +48,7 @@ inline void addShares(const Shared& splatted, const Scalar* shares, int32_t* nod
     for (int c = 0; c < 4; ++c) corners[corner][c] += static_cast<int32_t>(fixed.v[c]);
   }
 }
-// of(lane): four numbers of each lane, which become four times a number of all lanes.
+// Transposes of(lane), four numbers per lane, into four vectors of one number of all lanes.
 template <class Of>
 inline void transposed(const Of& of, real* out) {
   const quads::real numbers = of(0);

@@ -2,21 +2,22 @@
 #include <vector>
 
 #include "air/wind_source.h"
-#include "core/surroundings.h"
+#include "core/external_forces.h"
 
 namespace strandcast {
 
-/// Surroundings whose sources of wind may be changed between steps.
+/// External forces whose wind sources can be replaced between steps.
 class SteeredAir {
  public:
   virtual ~SteeredAir() = default;
-  /// Those that blow from the next step on, in the world, in place of those before; the air itself stays as
-  /// it is. They are to be as checkWindSource() asks. May allocate. Where the first comes or the last goes,
-  /// Simulation::setParameters() has to follow, which asks Surroundings::isNeeded() anew.
+  /// Replaces all sources, in the world frame, from the next step on. The velocity of the air is kept.
+  /// Precondition: each source passes checkWindSource(). May allocate. When the first source is added or the
+  /// last one removed, the caller must call Simulation::setParameters(), which queries
+  /// ExternalForces::isNeeded() again.
   virtual void setSources(std::vector<WindSource> sources) = 0;
 };
 
-/// Of surroundings that cpuAir() or gpuAir() made; null for others.
-SteeredAir* steeredAir(Surroundings* surroundings);
+/// The interface of an air system that cpuAir() or gpuAir() made; null for other external forces.
+SteeredAir* steeredAir(ExternalForces* air_system);
 
 }  // namespace strandcast

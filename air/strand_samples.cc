@@ -6,8 +6,8 @@
 namespace strandcast {
 namespace {
 
-// Cells that a piece of several edges may be long; the blur is wider. With 2.25 a head of hair at rest swings
-// itself up on its own rounding: 0.6 mm in a second.
+// Greatest length of a piece of several edges, in cells; the blur is wider. With 2.25 rounding errors excite
+// a head of hair at rest: 0.6 mm in a second.
 constexpr float kLongest = 1.5f;
 constexpr uint32_t kMostParts = 16;
 
@@ -45,7 +45,8 @@ StrandSamples strandSamples(const StrandModel& model, float cell) {
     strand.sample = static_cast<uint32_t>(out.samples.size());
     out.strands.push_back(strand);
     const uint32_t first = strand.vertex, last = first + strand.edges;
-    auto add = [&](uint32_t vertex, const std::vector<double>& masses) {  // of vertices from `vertex` on
+    auto add = [&](uint32_t vertex,
+                   const std::vector<double>& masses) {  // one mass per vertex, starting at `vertex`
       double mass = 0;
       for (const double m : masses) mass += m;
       out.samples.push_back({vertex, static_cast<uint32_t>(out.shares.size()),
@@ -56,8 +57,8 @@ StrandSamples strandSamples(const StrandModel& model, float cell) {
         of_vertex[vertex + i] += masses[i];
       }
     };
-    // A vertex stands for half of each edge beside it, each as thick as it is a quarter of the way to the
-    // other vertex.
+    // A vertex has the mass of half of each adjacent edge. The thickness of a half is that at a quarter of
+    // the edge.
     auto length = [&](uint32_t edge) {
       return edge >= first && edge < last ? edgeLength(model, edge) : 0.0f;
     };

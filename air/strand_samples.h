@@ -7,28 +7,30 @@
 
 namespace strandcast {
 
-/// How a strand is cut: whole edges, as equally many to a piece as it goes, or every edge into equal parts.
+/// How a strand is cut into pieces: several whole edges per piece, distributed evenly, or each edge into
+/// equal parts.
 struct StrandPieces {
-  uint32_t vertex;  ///< the first of the strand
+  uint32_t vertex;  ///< first vertex of the strand
   uint32_t edges;
-  uint32_t sample;  ///< the first of the strand
-  uint16_t pieces;  ///< in all; with more than one part, edges x parts
-  uint16_t parts;   ///< of every edge; 1: pieces are whole edges
+  uint32_t sample;  ///< first sample of the strand
+  uint16_t pieces;  ///< of the strand; edges x parts where parts > 1
+  uint16_t parts;   ///< parts per edge; 1: pieces consist of whole edges
 
-  /// Of piece p, counted from the strand's; of whole edges it ends where the next one begins.
+  /// First edge of piece p, relative to the strand's first edge. A piece of whole edges ends where piece p +
+  /// 1 begins.
   uint32_t firstEdge(uint32_t p) const { return parts > 1 ? p / parts : p * edges / pieces; }
 };
 
-/// The pieces of strands that stand for them on a grid: whole edges up to 1.5 cells long in all, or parts of
-/// an edge that is longer. Pieces of a strand are neighbours, root to tip.
+/// Samples that represent strands on a grid, one per piece: whole edges with a total length of up to 1.5
+/// cells, or parts of a longer edge. The samples of a strand are contiguous, root to tip.
 struct StrandSamples {
   std::vector<StrandSample> samples;
-  std::vector<float> shares;          ///< of each sample's vertices in it, sum 1
+  std::vector<float> shares;          ///< weights of a sample's vertices, sum 1 per sample
   std::vector<StrandPieces> strands;  ///< per strand
   std::vector<uint32_t> offsets;      ///< strands + 1: first sample of each strand
-  /// kg, per vertex: what the edge that starts there has at its start and at its end, 0 at tips.
+  /// kg, per vertex: masses at the start and at the end of the edge that starts there; 0 at tips.
   std::vector<std::array<float, 2>> edge_masses;
-  /// Per entry of shares: the sample's mass at that vertex over the mass of the vertex. Its sum over all
+  /// Per entry of `shares`: the sample's mass at that vertex over the mass of the vertex. The sum over all
   /// samples of a vertex is 1.
   std::vector<float> vertex_parts;
 };

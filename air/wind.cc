@@ -5,7 +5,7 @@
 namespace strandcast {
 namespace {
 
-constexpr float kWindBox = 2;  // of the largest edge of the groom's box
+constexpr float kWindBox = 2;  // edge of the wind's box over the largest edge of the groom's box
 
 }  // namespace
 

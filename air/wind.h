@@ -8,16 +8,17 @@
 
 namespace strandcast {
 
-/// How a solve of the pressure went.
+/// Result of a pressure solve.
 struct PressureReport {
   int iterations = 0;
-  double residual = 0;  ///< the largest of a cell, m/s
+  double residual = 0;  ///< largest residual of a cell, m/s (divergence x cell)
 };
 
 /// Air in a box of cubic cells, staggered, incompressible: one step is advection, viscosity, exchange of
 /// momentum (hair, sources), projection (Stam 1999; Bridson 2015, "Fluid Simulation for Computer Graphics").
-/// Open: the pressure at the border is 0 and what flows in is that of `ambient`. Closed: walls without
-/// friction. World axes; the box is moved by whole cells. This is what every backend's can be asked and told.
+/// Border kOpen: the pressure at the border is 0 and the inflow is the ambient wind. kClosed: walls without
+/// friction. The box is aligned with the world's axes and moves by whole cells. Interface of the wind of
+/// every backend.
 class Wind {
  public:
   enum class Border { kOpen, kClosed };
@@ -25,64 +26,65 @@ class Wind {
 
   virtual int cells() const = 0;   ///< per axis
   virtual float cell() const = 0;  ///< m
-  /// Low corner, m.
+  /// Low corner of the box, m.
   virtual Vec3 origin() const = 0;
   virtual Ambient& ambient() = 0;
-  /// Where component `axis` of place i j k is known; of 3: the middle of the cell. m.
+  /// Position of component `axis` (0 to 2: a face centre; 3: the cell centre) of index i j k, m.
   Vec3 placeOf(int axis, int i, int j, int k) const;
 
-  /// Moves the box so that `middle` lies within a cell of its middle. What is known of the air stays where it
-  /// is in the world; new cells have what blows beyond.
+  /// Moves the box by whole cells so that `middle` (m) is within a cell of its centre. The air keeps its
+  /// place in the world; new cells get the ambient wind.
   virtual void centreAt(const Vec3& middle) = 0;
-  /// Everywhere what blows beyond.
+  /// Sets the ambient wind everywhere (kOpen) and the pressure to 0.
   virtual void reset() = 0;
-  /// Component `axis` of place i j k, m/s.
+  /// Returns component `axis` of the face with index i j k, m/s.
   using Component = std::function<float(int axis, int i, int j, int k)>;
   virtual void setComponents(const Component& value) = 0;
-  /// The same by the velocity at a place in m.
+  /// The same from a velocity field (m/s) over positions (m).
   void setVelocity(const std::function<Vec3(const Vec3&)>& velocity);
 
-  /// Solids, for the next step: none, then any number. `words`: of their ShapeData.
+  /// Solids of the next step: clearSolids(), then addSolids() any number of times. `words`: ShapeData::words
+  /// of the bodies. `seconds`: length of the step, for the velocities of the bodies.
   virtual void clearSolids() = 0;
   virtual void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
                          double seconds) = 0;
 
-  /// Sources of wind, from now on. What spheres among them let out is there with the next project(), between
-  /// walls never: there is no place for it to go.
+  /// Replaces all wind sources. Spheres take effect with the next project(). With kClosed they have no
+  /// effect: the air would have no outlet.
   virtual void takeSources(std::span<const WindSource> sources) = 0;
 
-  /// The parts of a step. `seconds`: its length.
+  /// Stages of a step, in this order. `seconds`: length of the step; `viscosity`: m^2/s.
   virtual void advect(double seconds, bool mac_cormack) = 0;
   virtual void diffuse(double seconds, double viscosity) = 0;
-  /// Of momentum, with sources alone.
+  /// Exchange of momentum with sources, without hair.
   virtual void exchange(double seconds) = 0;
   virtual PressureReport project() = 0;
 
-  /// m/s, interpolated between the middles of cells, as the last project() left it.
+  /// m/s, interpolated between cell centres, after the last project().
   virtual Vec3 velocityAt(const Vec3& point) const = 0;
-  /// The largest |divergence| of a cell that is not solid, beyond that of spheres of wind, times the cell:
-  /// m/s.
+  /// Largest |divergence - target divergence| x cell of all cells that are not solid, m/s.
   virtual double largestOutflow() = 0;
-  /// The largest component of velocity at a face, m/s.
+  /// Largest absolute component of velocity of a face, m/s.
   virtual double fastest() const = 0;
+  /// Component `axis` of the face with index i j k, m/s.
   virtual double component(int axis, int i, int j, int k) const = 0;
-  /// m^3/s, out of the box through its border.
+  /// Outflow through the border of the box, m^3/s.
   double flowOut() const;
 };
 
-/// What is the same on every backend.
-constexpr double kResidual =
-    2e-4;                        ///< of the fastest component: a fifth of what is promised of the divergence
-constexpr double kStill = 1e-6;  ///< m/s, below which the residual need not go
+/// Constants shared by all backends.
+constexpr double kResidual = 2e-4;  ///< tolerance of the residual over the fastest component; a fifth of the
+                                    ///< promised bound of the divergence
+constexpr double kStill = 1e-6;     ///< m/s, lower bound of the tolerance
 constexpr int kMostIterations = 100;
 constexpr double kLargestPart =
-    0.15;                            ///< of viscosity x time / cell^2 in one explicit step; stable below 1/6
+    0.15;  ///< largest viscosity x time / cell^2 of an explicit step; stable below 1/6
 constexpr double kAirDensity = 1.2;  ///< kg/m^3
-/// Of what flows out of a cell, so much goes through one of its faces at least: the residual of air that
-/// spheres of wind only begin to drive.
+/// At least this fraction of the outflow of a cell passes through one of its six faces. The tolerance uses it
+/// as an estimate of the velocity when spheres begin to drive still air.
 constexpr double kLeastOfFace = 1.0 / 6;
-/// Whether air of a cell gets straight to the border along an axis, past what solid(i, j, k) says of cells. A
-/// sphere of wind lets no air out of others: between bodies on all sides there is no place for it to go.
+/// Whether a straight line along an axis leads from a cell to the border without a solid cell. `solid(i, j,
+/// k)`: whether a cell is solid. Sphere sources emit from such cells only: enclosed air has no outlet.
 template <class Solid>
 bool seesBorder(int cells, int i, int j, int k, const Solid& solid) {
   for (int axis = 0; axis < 3; ++axis)
@@ -93,13 +95,14 @@ bool seesBorder(int cells, int i, int j, int k, const Solid& solid) {
     }
   return false;
 }
-/// Edge of a cell, m, around a groom at rest in `box`: the wind's box is twice as large.
+/// Edge of a cell, m, for a groom with the bounds `box` at rest. The wind's box has twice the largest edge of
+/// `box`.
 float windCell(const Box& box, int cells);
-/// Roots of Chebyshev's polynomial over the upper half of the spectrum of Jacobi's iteration, 0.5 to 2: how
-/// much of it the two sweeps of a smoothing take.
+/// Weights of the two Jacobi sweeps of a smoothing: inverse roots of the Chebyshev polynomial over 0.5 to 2,
+/// the upper part of the spectrum of the Jacobi iteration.
 constexpr double kFirstWeight = 1 / (1.25 + 0.75 * 0.70710678),
                  kSecondWeight = 1 / (1.25 - 0.75 * 0.70710678);
-constexpr int kCoarsest = 4;        ///< cells per axis, of multigrid
-constexpr int kCoarsestSweeps = 6;  ///< pairs
+constexpr int kCoarsest = 4;        ///< cells per axis of the coarsest multigrid level
+constexpr int kCoarsestSweeps = 6;  ///< pairs of sweeps there
 
 }  // namespace strandcast

@@ -24,7 +24,7 @@ WindGrid<Scalar>::WindGrid(const GridPasses<Scalar>& passes, const Workers& work
   for (GridArray<Scalar>* array : {&pressure_, &right_}) array->assign(shape_.size(), Scalar(0));
   centre_.assign(4 * shape_.size(), Scalar(0));
   const size_t row = static_cast<size_t>(cells);
-  places_.assign(3 * (row + 16) * row, Scalar(0));  // a row per layer
+  places_.assign(3 * (row + 16) * row, Scalar(0));  // one row per layer, for concurrent layers
   sampled_.assign(4 * row * row, Scalar(0));
   fastest_.assign(row + 1, Scalar(0));
   exchanges_.assign(row * row, 0);
@@ -132,7 +132,8 @@ void WindGrid<Scalar>::addSolids(std::span<const MovingPrimitive> bodies, std::s
   }
 }
 
-// Faces of solids move as these do. Which faces are open changes only where other cells became solid.
+// Faces of solid cells get the velocity of the solid. The pressure system is rebuilt only when the set of
+// solid cells changes.
 template <class Scalar>
 void WindGrid<Scalar>::closeFaces() {
   const int n = shape_.cells;
@@ -185,7 +186,7 @@ void WindGrid<Scalar>::takeSources(std::span<const WindSource> sources) {
 }
 
 template <class Scalar>
-const Scalar* WindGrid<Scalar>::wanted() {
+const Scalar* WindGrid<Scalar>::targetDivergence() {
   if (spheres_.empty() || border_ == Border::kClosed) return nullptr;
   if (!wanted_found_) {
     wanted_.assign(shape_.size(), Scalar(0));
@@ -205,8 +206,8 @@ const Scalar* WindGrid<Scalar>::wanted() {
 }
 
 template <class Scalar>
-const Scalar* WindGrid<Scalar>::wantedAmongSolids() {
-  const Scalar* all = wanted();
+const Scalar* WindGrid<Scalar>::targetDivergenceAmongSolids() {
+  const Scalar* all = targetDivergence();
   if (all == nullptr || solid_cells_.empty()) return all;
   wanted_among_solids_.resize(shape_.size());
   workers_.forEach(shape_.cells, [&](int k) {
@@ -223,13 +224,13 @@ const Scalar* WindGrid<Scalar>::wantedAmongSolids() {
 }
 
 template <class Scalar>
-Scalar WindGrid<Scalar>::mostWanted(const Scalar* wanted, int k) const {
+Scalar WindGrid<Scalar>::maxTargetDivergence(const Scalar* target_divergence, int k) const {
   const Scalar* fluid = solver_.finest().diagonal;
   Scalar most = 0;
   for (int j = 0; j < shape_.cells; ++j)
     for (int i = 0; i < shape_.cells; ++i) {
       const size_t c = shape_.at(i, j, k) - shape_.at(0, 0, 0);
-      if (fluid[c] > 0) most = std::max(most, std::fabs(wanted[c]));
+      if (fluid[c] > 0) most = std::max(most, std::fabs(target_divergence[c]));
     }
   return most;
 }
@@ -273,7 +274,7 @@ void WindGrid<Scalar>::diffuse(double seconds, double viscosity) {
   const int steps = static_cast<int>(std::ceil(whole / kLargestPart));
   for (int step = 0; step < steps; ++step) {
     const WindView<Scalar> w = view();
-    // First the padding of every row, which its neighbours do not read, then the values.
+    // A row writes its own padding, which no other row reads, so layers may run concurrently.
     eachFace([&](int axis, int k) { passes_.diffuse(w, axis, static_cast<Scalar>(whole / steps), k); });
     for (int axis = 0; axis < 3; ++axis) std::swap(velocity_[axis], next_[axis]);
   }
@@ -286,7 +287,7 @@ std::pair<int, int> WindGrid<Scalar>::cellsInHair(const HairDrag<Scalar>& hair, 
   for (int c = 0; c < 3; ++c) {
     const double here = static_cast<double>(at[c]), per_cell = static_cast<double>(step[c]);
     const double low = hair.box.min()[c] - 1, high = hair.box.max()[c] + 1;
-    if (std::fabs(per_cell) < 1e-6) {  // moves by less than a thousandth of a cell over the row
+    if (std::fabs(per_cell) < 1e-6) {  // the row moves by less than 1e-3 cells on this axis
       if (here < low - 1e-3 || here > high + 1e-3) return {0, 0};
       continue;
     }
@@ -319,15 +320,16 @@ void WindGrid<Scalar>::findExchangeWithHair(double seconds, const HairDrag<Scala
   passes_.sample(*hair.shape, hair.slip[1], places, stride, count, sampled);
   for (size_t i = 0; i < count; ++i) {
     slip_[1][from + i] = slips * sampled[4 * i];
-    // Directions are unit vectors: the three are together what hair holds back across.
+    // t is a unit vector, so the trace of m t t' is m: zz follows from xx and yy.
     slip_[2][from + i] = hair.less * exchange_[0][from + i] - slip_[0][from + i] - slip_[1][from + i];
     for (size_t c = 3; c < 6; ++c) slip_[c][from + i] = slips * sampled[4 * i + c - 2];
   }
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* wanted, int j,
-                                    int k, Scalar* places, Scalar* sampled) {
+void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair,
+                                    const Scalar* target_divergence, int j, int k, Scalar* places,
+                                    Scalar* sampled) {
   const int n = shape_.cells;
   const size_t row = static_cast<size_t>(n), first = shape_.at(0, j, k);
   uint8_t& exchanges = exchanges_[row * static_cast<size_t>(k) + static_cast<size_t>(j)];
@@ -358,9 +360,9 @@ void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair
       exchanges = 1;
     }
   }
-  if (wanted != nullptr) {
+  if (target_divergence != nullptr) {
     const double courant = seconds / static_cast<double>(cell_);
-    const Scalar* of_row = wanted + (first - shape_.at(0, 0, 0));
+    const Scalar* of_row = target_divergence + (first - shape_.at(0, 0, 0));
     for (size_t i = 0; i < row; ++i) {
       if (!(of_row[i] > 0)) continue;
       exchanges = 1;
@@ -387,7 +389,7 @@ void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair
 
 template <class Scalar>
 void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair) {
-  const Scalar* of_spheres = wanted();
+  const Scalar* of_spheres = targetDivergence();
   if (hair.nodes == nullptr && drivers_.empty() && of_spheres == nullptr) return;
   const size_t row = static_cast<size_t>(shape_.cells);
   workers_.forEach(shape_.cells, [&](int k) {
@@ -419,15 +421,16 @@ template <class Scalar>
 PressureReport WindGrid<Scalar>::project() {
   closeFaces();
   WindView<Scalar> w = view();
-  w.wanted = wantedAmongSolids();
+  w.target_divergence = targetDivergenceAmongSolids();
   const PressureView<Scalar>& p = solver_.finest();
   const size_t start = shape_.at(0, 0, 0);
   Scalar *right = right_.data() + start, *pressure = pressure_.data() + start;
   workers_.forEach(shape_.cells + 1, [&](int k) {
     if (k < shape_.cells) passes_.outflow(w, p, right, k);
     fastest_[k] = passes_.fastest(w, k);
-    if (w.wanted != nullptr && k < shape_.cells)
-      fastest_[k] = std::max(fastest_[k], static_cast<Scalar>(kLeastOfFace) * mostWanted(w.wanted, k));
+    if (w.target_divergence != nullptr && k < shape_.cells)
+      fastest_[k] = std::max(fastest_[k],
+                             static_cast<Scalar>(kLeastOfFace) * maxTargetDivergence(w.target_divergence, k));
   });
   const double fastest = static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end()));
   const double tolerance = std::max(kResidual * fastest, kStill);
@@ -442,7 +445,7 @@ template <class Scalar>
 double WindGrid<Scalar>::largestOutflow() {
   const size_t start = shape_.at(0, 0, 0);
   WindView<Scalar> w = view();
-  w.wanted = wantedAmongSolids();
+  w.target_divergence = targetDivergenceAmongSolids();
   double most = 0;
   for (int k = 0; k < shape_.cells; ++k) {
     passes_.outflow(w, solver_.finest(), right_.data() + start, k);

@@ -11,21 +11,21 @@
 
 namespace strandcast {
 
-/// Where hair holds the air back, as it is spread on the grid.
+/// Drag of hair on the air, as splatted on the hair grid.
 template <class Scalar>
 struct HairDrag {
-  const GridShape* shape = nullptr;  ///< of the hair grid
+  const GridShape* shape = nullptr;  ///< shape of the hair grid
   const Scalar* nodes =
-      nullptr;  ///< from place (0, 0, 0): momentum per volume (kg/(m^2 s)) and density (kg/m^3)
-  const Scalar* frame = nullptr;  ///< world to its cells, as SplatView::frame
-  NodeBox box;                    ///< beyond it nodes are empty
-  Scalar rate = 0;  ///< m^3/(kg s): rate at which air takes on the hair's velocity, per density of the hair
-  /// HairGrid::slipNodes(); null: hair holds air back alike along itself and across.
+      nullptr;  ///< from index (0, 0, 0): momentum per volume (kg/(m^2 s)), density (kg/m^3)
+  const Scalar* frame = nullptr;  ///< positions (m) to its cells, as SplatView::frame
+  NodeBox box;                    ///< nodes outside are empty
+  Scalar rate = 0;  ///< m^3/(kg s): rate at which air approaches the hair's velocity, per density of hair
+  /// HairGrid::slipNodes(); null: drag is isotropic.
   const Scalar* slip[2] = {};
-  Scalar less = 0;  ///< 1 - drag along a strand over that across it
+  Scalar less = 0;  ///< 1 - (drag along a strand / drag across it)
 };
 
-/// The wind of the CPU backends.
+/// The wind of the CPU backends. `passes` and `workers` must outlive it.
 template <class Scalar>
 class WindGrid : public Wind {
  public:
@@ -36,7 +36,7 @@ class WindGrid : public Wind {
   Vec3 origin() const override { return box_.corner(); }
   Ambient& ambient() override { return ambient_; }
   void centreAt(const Vec3& middle) override;
-  /// As WindBox::moveOrigin: the air stays where it is. Eddies are the ambient's business.
+  /// As WindBox::moveOrigin(): the air keeps its place in the world. The caller rebases ambient() too.
   void moveOrigin(const Vec3& way) {
     box_.moveOrigin(way);
     wanted_found_ = false;
@@ -46,8 +46,9 @@ class WindGrid : public Wind {
   void clearSolids() override;
   void addSolids(std::span<const MovingPrimitive> bodies, std::span<const uint32_t> words,
                  double seconds) override;
-  /// Cells in `box` whose middle has a distance below 0 are solid and move with velocity(point).
-  /// distances(points, out) gives those of a std::span<const Vec3>, never farther from 0 than the true ones.
+  /// Makes cells in `box` solid whose centre has a negative distance; their velocity is velocity(point), m/s.
+  /// distances(points, out): signed distances of a std::span<const Vec3>, m; absolute values must not exceed
+  /// the true ones.
   template <class Distances, class Velocity>
   void addSolid(const Box& box, const Distances& distances, const Velocity& velocity);
 
@@ -56,8 +57,7 @@ class WindGrid : public Wind {
   void diffuse(double seconds, double viscosity) override;
   void exchange(double seconds) override { exchange(seconds, {}); }
   void exchange(double seconds, const HairDrag<Scalar>& hair);
-  /// Room for air that slips along hair (HairDrag::slip). To be called before, for exchange() allocates
-  /// nothing.
+  /// Allocates memory for HairDrag::slip. Precondition of exchange() with it, which does not allocate.
   void expectSlip();
   PressureReport project() override;
 
@@ -71,30 +71,31 @@ class WindGrid : public Wind {
   bool isSolid(int i, int j, int k) const { return solid_[shape_.at(i, j, k)] != 0; }
 
   const GridShape& shape() const { return shape_; }
-  /// Velocity of cells, 4 numbers each, from place (0, 0, 0).
+  /// Velocities of cell centres, m/s, 4 numbers each, from index (0, 0, 0).
   const Scalar* centres() const { return centre_.data() + 4 * shape_.at(0, 0, 0); }
 
  private:
   WindView<Scalar> view();
   int layersOf(int axis) const { return axis == 2 ? shape_.cells + 1 : shape_.cells; }
   void closeFaces();
-  /// Cells of a row that may be among the hair: the first, and the one behind the last. `at`: of cell 0 in
-  /// the hair's grid; `step`: from cell to cell.
+  /// Range [first, last) of cells of a row that may contain hair. `at`: position of cell 0 in the hair grid,
+  /// in its cells; `step`: increment from cell to cell.
   std::pair<int, int> cellsInHair(const HairDrag<Scalar>& hair, const Scalar* at, const Scalar* step) const;
-  /// What hair does to cells `from` .. `from` + count - 1, at `places` of its grid.
+  /// Exchange with hair of cells `from` .. `from` + count - 1, at `places` of the hair grid. `sampled`:
+  /// scratch.
   void findExchangeWithHair(double seconds, const HairDrag<Scalar>& hair, size_t from, size_t count,
                             const Scalar* places, Scalar* sampled);
-  /// What hair and sources do to a row. `places`, `sampled`: room for a row.
-  void findExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* wanted, int j, int k,
-                    Scalar* places, Scalar* sampled);
-  /// What spheres would let out were no solids there; null: none.
-  const Scalar* wanted();
-  /// The same as solids leave it, for WindView::wanted.
-  const Scalar* wantedAmongSolids();
-  /// The largest of a layer's cells that are not solid.
-  Scalar mostWanted(const Scalar* wanted, int k) const;
+  /// Exchange of a row with hair and sources. `places`, `sampled`: scratch memory for a row.
+  void findExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* target_divergence, int j,
+                    int k, Scalar* places, Scalar* sampled);
+  /// Target divergence x cell of spheres, m/s, solids ignored; null where there are no spheres.
+  const Scalar* targetDivergence();
+  /// The same, 0 in cells that are enclosed by solids: for WindView::target_divergence.
+  const Scalar* targetDivergenceAmongSolids();
+  /// Largest absolute value in a layer, of cells that are not solid.
+  Scalar maxTargetDivergence(const Scalar* target_divergence, int k) const;
   void findCentres();
-  /// work(axis, layer) for the layers of faces of all axes.
+  /// Calls work(axis, layer) for all layers of faces of all axes, concurrently.
   template <class Work>
   void eachFace(const Work& work) const;
   static Scalar ambientVelocity(const void* grid, int axis, const Scalar* place);
@@ -109,16 +110,16 @@ class WindGrid : public Wind {
   GridArray<Scalar> velocity_[3], next_[3], displacement_[3], onward_[3], centre_, exchange_[4], pressure_,
       right_, places_, sampled_;
   std::vector<Scalar> fastest_;        ///< per layer
-  std::vector<uint8_t> exchanges_;     ///< per row: exchange_ may be other than 0
-  std::vector<uint8_t> solid_;         ///< of the shape
-  std::vector<uint8_t> closed_;        ///< solid_ as the solver was built for
-  std::vector<uint32_t> solid_cells_;  ///< where solid_ is 1
-  std::vector<Vec3> solid_velocity_;   ///< of the shape
-  bool built_ = false;                 ///< the solver
+  std::vector<uint8_t> exchanges_;     ///< per row: 0 where exchange_ is 0
+  std::vector<uint8_t> solid_;         ///< per cell, in the layout of shape_
+  std::vector<uint8_t> closed_;        ///< solid_ that the solver was built for
+  std::vector<uint32_t> solid_cells_;  ///< indices where solid_ is 1
+  std::vector<Vec3> solid_velocity_;   ///< m/s, per cell, in the layout of shape_
+  bool built_ = false;                 ///< solver_ was built
   std::vector<WindSource> drivers_, spheres_;
-  GridArray<Scalar> slip_[6];                       ///< empty until air slips along hair
+  GridArray<Scalar> slip_[6];                       ///< empty until expectSlip()
   GridArray<Scalar> wanted_, wanted_among_solids_;  ///< empty until there is a sphere
-  bool wanted_found_ = false;                       ///< of the spheres and the box as they are
+  bool wanted_found_ = false;                       ///< wanted_ is up to date with spheres_ and box_
   PressureSolver<Scalar> solver_;
 };
 
@@ -137,7 +138,8 @@ void WindGrid<Scalar>::addSolid(const Box& box, const Distances& distances, cons
                           Vec3::Constant(0.5f * side)) *
                              cell_);
   };
-  // Blocks whose middle is farther from the surface than their cells' middles are from it lie on one side.
+  // A block is on one side of the surface where the distance of its centre exceeds that to its cells'
+  // centres.
   constexpr int kBlock = 4, kCells = kBlock * kBlock * kBlock, kMostBlocks = 128 / kBlock;
   const float farthest = 1.01f * std::sqrt(3.0f) * 0.5f * static_cast<float>(kBlock - 1) * cell_;
   auto addBlock = [&](int bi, int bj, int bk, float away) {

@@ -55,7 +55,7 @@ WindSource onGrid(WindSource source, float cell) {
 }
 
 SphereOnGrid::SphereOnGrid(const WindSource& sphere, const Vec3& corner, float cell) {
-  constexpr double kLargestSummed = 24;  // cells; of larger ones the integral of their shares is as good
+  constexpr double kLargestSummed = 24;  // cells; above, the integral of the shares is accurate enough
   const WindSource on_grid = onGrid(sphere, cell);
   const double edge = static_cast<double>(cell);
   middle_ = (on_grid.position.cast<double>() - corner.cast<double>()) / edge;

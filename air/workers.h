@@ -3,13 +3,15 @@
 
 namespace strandcast {
 
-/// Threads that share the layers of a grid or chunks of strands. Results must not depend on who does what.
+/// A pool of threads for layers of a grid or chunks of strands. Results must not depend on which thread runs
+/// which item.
 class Workers {
  public:
-  explicit Workers(int threads);  ///< 0 = all of the machine
+  explicit Workers(int threads);  ///< 0 = all hardware threads
   ~Workers();
   int threads() const { return threads_; }
-  /// work(i) for i in 0 .. count - 1, in any order, at the same time. Does not allocate.
+  /// Calls work(i) for i in 0 .. count - 1, concurrently and in any order; returns when all are done. Does
+  /// not allocate.
   template <class Work>
   void forEach(int count, const Work& work) const {
     run(

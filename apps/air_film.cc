@@ -27,7 +27,7 @@ void AirFilm::draw(const AirFields& fields, std::span<const Vec3> hair) {
 
 void AirFilm::addTo(Report& out) const {
   out.add("shown", "shown", name_);
-  out.add("full", "largest value, of all pictures", full_, unit_, 4);
+  out.add("full", "largest value of all pictures", full_, unit_, 4);
   out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn()));
   out.add("out", "pictures", pictures_.pattern());
 }

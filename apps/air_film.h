@@ -9,21 +9,22 @@
 
 namespace strandcast {
 
-/// Slices through the grids of a simulation or of a recording, frame by frame, as numbered pictures in a
-/// folder.
+/// Draws slices through the air grids of a simulation or a recording as numbered pictures in a folder, one
+/// per frame.
 class AirFilm {
  public:
-  /// `quantity` as airQuantity(); `axis` "x", "y" or "z", which slices lie across; `size`, pixels along each
-  /// edge. Makes the folder. Throws Error.
+  /// `quantity`: a name of airQuantity(). `axis`: "x", "y" or "z", the normal of the slice. `size`: edge
+  /// length of a picture, pixels. Creates the folder. Throws Error.
   AirFilm(const std::string& quantity, const std::string& axis, int size,
           const std::filesystem::path& folder);
-  /// Whether the quantity is on a grid there. Throws Error where grids cannot be looked at.
+  /// Whether the simulation holds the quantity on a grid. Throws Error where the backend's grids cannot be
+  /// read.
   bool canDraw(Simulation& simulation) const;
   bool canDraw(const AirFields& fields) const;
-  const char* settings() const;  ///< that put the quantity on a grid
-  /// The next picture. Throws Error where the simulation has no such grid, or one that cannot be looked at.
+  const char* settings() const;  ///< options that put the quantity on a grid
+  /// Draws the next picture. Throws Error where the simulation has no such grid or its grids cannot be read.
   void draw(Simulation& simulation);
-  /// The same of grids from elsewhere that have the quantity, and the hair at that time: vertices, m, world.
+  /// Draws grids from another source that hold the quantity. `hair`: vertex positions at that time, m, world.
   void draw(const AirFields& fields, std::span<const Vec3> hair);
   int drawn() const { return pictures_.written(); }
   void addTo(Report& out) const;
@@ -33,7 +34,7 @@ class AirFilm {
   const AirQuantity quantity_;
   const int axis_, size_;
   PictureFolder pictures_;
-  double full_ = 0;  // largest value of all pictures
+  double full_ = 0;  // largest value in all pictures
   const char* unit_ = "";
 };
 

@@ -36,11 +36,11 @@ const char* unitOf(AirQuantity quantity) {
 }
 
 const AirFields& fieldsOf(Simulation& simulation) {
-  if (const AirFields* fields = airFields(simulation.surroundings())) return *fields;
-  throw Error("this backend's grids cannot be looked at", simulation.backend().name(), "choose simd");
+  if (const AirFields* fields = airFields(simulation.externalForces())) return *fields;
+  throw Error("the grids of this backend cannot be drawn", simulation.backend().name(), "choose simd");
 }
 
-/// A picture of a square of the world.
+/// A picture of a square region of the world.
 class Canvas {
  public:
   Canvas(const Box& box, int axis, int size)
@@ -72,7 +72,8 @@ class Canvas {
     for (float i = 0; i <= length; i += 0.5f)
       dot(from + (to - from) * (i / std::max(length, 1.0f)), kArrow, 1);
   }
-  /// Along the part of `way` (m) that lies in the slice.
+  /// Draws the component of `way` (m) in the plane of the slice, centred at `middle`. Shorter than two
+  /// pixels: nothing.
   void arrow(const Vec3& middle, Vec3 way) {
     way[axis_] = 0;
     if (way.norm() < 2 * pixel_) return;
@@ -102,7 +103,7 @@ class Canvas {
 AirQuantity airQuantity(const std::string& name) {
   for (int i = 0; i < 4; ++i)
     if (name == kQuantities[i]) return static_cast<AirQuantity>(i);
-  throw Error("there is no such quantity of the air", name, "choose density, wind, pressure or divergence");
+  throw Error("unknown grid quantity", name, "choose density, wind, pressure or divergence");
 }
 
 const char* settingsOf(AirQuantity quantity) {
@@ -116,14 +117,15 @@ bool isOnGrid(const AirFields& fields, AirQuantity quantity) {
 
 bool isOnGrid(Simulation& simulation, AirQuantity quantity) {
   const AirFields& fields = fieldsOf(simulation);
-  // Grids that nothing needs any more are as they were when something did.
-  return simulation.surroundings()->isNeeded(simulation.parameters()) && isOnGrid(fields, quantity);
+  // Grids keep their last content once no parameter needs them.
+  return simulation.externalForces()->isNeeded(simulation.parameters()) && isOnGrid(fields, quantity);
 }
 
 const AirFields& fieldsWith(Simulation& simulation, AirQuantity quantity) {
   const AirFields& fields = fieldsOf(simulation);
   if (!isOnGrid(simulation, quantity))
-    throw Error(quantity == AirQuantity::kDensity ? "the hair is not on a grid" : "the wind is not on a grid",
+    throw Error(quantity == AirQuantity::kDensity ? "the simulation has no hair grid"
+                                                  : "the simulation has no wind grid",
                 kQuantities[static_cast<int>(quantity)], std::string("give ") + settingsOf(quantity));
   return fields;
 }

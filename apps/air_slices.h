@@ -5,33 +5,36 @@
 
 #include "air/air_fields.h"
 #include "core/simulation.h"
-#include "render/image.h"
+#include "io/image.h"
 
 namespace strandcast {
 
-/// What a slice through the air shows.
+/// The quantity that a slice through the air shows.
 enum class AirQuantity { kDensity, kWind, kPressure, kDivergence };
 /// "density", "wind", "pressure" or "divergence"; Error otherwise.
 AirQuantity airQuantity(const std::string& name);
-/// The settings that put it on a grid, as options: "--set wind_grid=1".
+/// The options that put the quantity on a grid: "--set wind_grid=1".
 const char* settingsOf(AirQuantity quantity);
-/// Whether it is on a grid.
+/// Whether the fields hold the quantity.
 bool isOnGrid(const AirFields& fields, AirQuantity quantity);
-/// Whether it was in the newest step. Error where this backend's grids cannot be looked at.
+/// Whether the newest step computed the quantity on a grid. Throws Error where this backend's grids cannot be
+/// read.
 bool isOnGrid(Simulation& simulation, AirQuantity quantity);
-/// Its fields in the newest step. Error where it is on no grid, saying which setting puts it there, or this
-/// backend's grids cannot be looked at.
+/// The fields of the newest step. Throws Error where the quantity is on no grid, naming the setting that puts
+/// it there, or where this backend's grids cannot be read.
 const AirFields& fieldsWith(Simulation& simulation, AirQuantity quantity);
 
+/// A slice as a picture, with the scale of its colours.
 struct AirSlice {
   Image image;
-  double full = 0;   ///< what the fullest colour stands for
-  const char* unit;  ///< of it
+  double full = 0;   ///< value that the fullest colour stands for
+  const char* unit;  ///< unit of `full`
 };
 
-/// A slice across `axis` (0 to 2) through the middle of the grid, `size` pixels along each edge: from white
-/// to the full colour of the slice's largest value, red above and blue below 0; bodies grey, hair within a
-/// cell of the slice as dots. Of wind its speed, with arrows along it, two cells apart.
+/// A slice across `axis` (0 to 2) through the middle of the grid, `size` pixels along each edge. Colour runs
+/// from white to the full colour at the slice's largest absolute value: red above 0, blue below. Bodies are
+/// grey. Hair within one cell of the slice is drawn as dots. Wind is drawn as its speed, with arrows two
+/// cells apart.
 AirSlice airSlice(const AirFields& fields, AirQuantity quantity, int axis, std::span<const Vec3> hair,
                   int size);
 

@@ -6,8 +6,8 @@
 
 namespace strandcast {
 
-/// Bytes that a frame of these guides takes on the network with the daemon's default codec, at rest; nothing
-/// where a strand is too long for the network.
+/// Bytes per frame of these guides at rest on the network, with the daemon's default codec. Empty where a
+/// strand is too long for the network.
 std::optional<uint64_t> bytesPerFrame(const StrandSet& guides);
 
 }  // namespace strandcast

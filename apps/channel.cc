@@ -32,8 +32,8 @@ LcmOptions lcmOptions(const Settings& settings, uint64_t session, bool frames = 
     throw Error("LCM has no security", "--transport lcm with --profile secure or --keys",
                 "use --transport dds");
   if (!settings.peers.empty() || !settings.discovery_server.empty())
-    throw Error("LCM looks for nobody", "--transport lcm with --peers or --discovery-server",
-                "say with --lcm-url where frames go, or use --transport dds");
+    throw Error("LCM has no discovery", "--transport lcm with --peers or --discovery-server",
+                "name the destination with --lcm-url, or use --transport dds");
   return {settings.lcm_url.empty() ? lcmUrl(settings.domain) : settings.lcm_url, settings.groom_id, session,
           settings.codec, frames};
 }
@@ -65,16 +65,13 @@ GroomClaim::GroomClaim(const Settings& settings, uint64_t session) : settings_(s
 }
 
 void GroomClaim::check() {
-  if (publisher_->isDeaf())
-    throw Error(
-        fmt::format(
-            "another daemon of groom {} is there, and nothing comes from it through shared memory, as "
-            "where it runs as another user",
-            settings_.groom_id),
-        networkName(settings_),
-        "start both as one user, or this one with --profile reliable-lan; or stop that one, or choose "
-        "another "
-        "--groom-id");
+  if (publisher_->cannotHearDaemon())
+    throw Error(fmt::format("another daemon of groom {} is present, but its shared memory cannot be read; it "
+                            "may run as another user",
+                            settings_.groom_id),
+                networkName(settings_),
+                "start both daemons as one user, or this daemon with --profile reliable-lan; or stop the "
+                "other daemon or choose another --groom-id");
   const std::optional<Rival> rival = publisher_->rival();
   const auto now = std::chrono::steady_clock::now();
   if (!rival) {
@@ -82,19 +79,20 @@ void GroomClaim::check() {
     return;
   }
   if (!rival_heard_) rival_heard_ = now;
-  // One that starts too and has the higher session hears of this one and goes. Others stay, and it may have
-  // begun to cast before it heard.
+  // A rival that also starts and has the higher session exits once it hears this daemon: wait for it. Any
+  // other rival stays. So does one that began to cast before it heard this daemon; the time limit covers that
+  // case.
   const bool goes = !rival->casts && rival->session > session_ && now - *rival_heard_ < 3 * kRivalListenTime;
   if (goes) return;
-  throw Error(fmt::format("another daemon already {} groom {}", rival->casts ? "casts" : "gets ready to cast",
-                          settings_.groom_id),
+  throw Error(fmt::format("another daemon already {} groom {}",
+                          rival->casts ? "publishes" : "prepares to publish", settings_.groom_id),
               fmt::format("{}, session {:016x}", networkName(settings_), rival->session),
               "stop it (`strandcast ctl stop`) or choose another --groom-id");
 }
 
 void GroomClaim::await() {
   constexpr std::chrono::milliseconds kLook{5}, kWorthSaying{300};
-  // Nobody else writes into a log.
+  // A log has no other writers.
   if (usesLcm(settings_) && isLcmLog(settings_.lcm_url)) return;
   const auto begin = std::chrono::steady_clock::now();
   for (bool said = false;; std::this_thread::sleep_for(kLook)) {
@@ -106,15 +104,16 @@ void GroomClaim::await() {
     if (said || now - begin < kWorthSaying) continue;
     said = true;
     if (rival_heard_)
-      spdlog::info("waiting for another daemon that starts too, session {:016x}, to give way",
+      spdlog::info("waiting for another starting daemon, session {:016x}, to give up its claim",
                    publisher_->rival().value_or(Rival{}).session);
     else
-      spdlog::info("listening for up to {:.1f} s for another daemon of groom {} on {}: {}",
-                   std::chrono::duration<double>(listen_time - (now - joined_)).count(), settings_.groom_id,
-                   networkName(settings_),
-                   publisher_->possibleRivals() > 0
-                       ? fmt::format("{} of the programs there may be one", publisher_->possibleRivals())
-                       : "it would be heard within that time");
+      spdlog::info(
+          "listening for up to {:.1f} s for another daemon of groom {} on {}: {}",
+          std::chrono::duration<double>(listen_time - (now - joined_)).count(), settings_.groom_id,
+          networkName(settings_),
+          publisher_->possibleRivals() > 0
+              ? fmt::format("{} of the programs on the network may be one", publisher_->possibleRivals())
+              : "its announcement would arrive within that time");
   }
 }
 
@@ -131,11 +130,11 @@ BakeAnnouncement announceBakes(ProgressBar& bar) {
   };
 }
 
-std::filesystem::path fieldCacheAloud() {
+std::filesystem::path fieldCacheWithProgress() {
   try {
     return defaultFieldCache();
   } catch (const Error& error) {
-    spdlog::warn("{}; every run bakes the body anew", error.what());
+    spdlog::warn("{}; every run bakes the body's field again", error.what());
     return {};
   }
 }
@@ -155,11 +154,11 @@ void tellOutlook(const SceneOptions& options) {
 
 }  // namespace
 
-Scene makeSceneAloud(SceneOptions options, const std::function<void()>& meanwhile) {
-  if (options.field_cache.empty()) options.field_cache = fieldCacheAloud();
+Scene makeSceneWithProgress(SceneOptions options, const std::function<void()>& meanwhile) {
+  if (options.field_cache.empty()) options.field_cache = fieldCacheWithProgress();
   tellOutlook(options);
   Scene scene;
-  std::exception_ptr stops;  // progress is told in threads that work on a bake
+  std::exception_ptr stops;  // exception of `meanwhile`, which runs in the bake's worker threads
   {
     ProgressBar bar;
     options.bake_begins = announceBakes(bar);
@@ -194,7 +193,8 @@ Scene makeSceneAloud(SceneOptions options, const std::function<void()>& meanwhil
 
 EmbeddedDaemon::EmbeddedDaemon(const Settings& settings, SimulationObserver observer) {
   std::tie(publisher_, subscriber_) = makeInProcessChannel(settings.groom_id);
-  daemon_ = std::make_unique<Daemon>(settings, makeSceneAloud(settings.scene), *publisher_, newSession());
+  daemon_ =
+      std::make_unique<Daemon>(settings, makeSceneWithProgress(settings.scene), *publisher_, newSession());
   daemon_->setObserver(std::move(observer));
   daemon_->announce();
   thread_ = std::thread([this] {
@@ -231,12 +231,11 @@ Stream::Stream(const Settings& settings, bool here, double timeout, SimulationOb
     found = subscriber().waitForGroom(kLook);
   }
   if (!found)
-    throw Error("no daemon casts this groom",
+    throw Error("no daemon publishes this groom",
                 fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
-                settings.keys.empty()
-                    ? "start strandcastd, or name a --scene or --groom to simulate here"
-                    : "start strandcastd, or check the keys: a daemon refuses those of another CA, and "
-                      "those that are out of force or do not permit this groom");
+                settings.keys.empty() ? "start strandcastd, or name a --scene or --groom to simulate here"
+                                      : "start strandcastd, or check the keys: a daemon refuses keys of "
+                                        "another CA, expired keys and keys that do not permit this groom");
 }
 
 }  // namespace strandcast

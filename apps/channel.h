@@ -17,24 +17,26 @@ namespace strandcast {
 
 class ProgressBar;
 
-/// The network of these settings, for messages: "DDS domain 3".
+/// The network of these settings for messages: "DDS domain 3".
 std::string networkName(const Settings& settings);
 /// Joins the network as a reader of settings.groom_id.
 std::unique_ptr<Subscriber> subscribe(const Settings& settings);
-/// Joins the network to steer the daemon of settings.groom_id: no hair comes, statuses and answers alone.
+/// Joins the network to send commands to the daemon of settings.groom_id. Receives statuses and answers, no
+/// frames.
 std::unique_ptr<Subscriber> steer(const Settings& settings);
-/// A daemon's claim to settings.groom_id while it gets ready: others hear of it from the beginning, and it
-/// listens for them while the scene is loaded. Into a log it casts at once.
+/// A daemon's claim to settings.groom_id while it starts. Other daemons hear the claim from the beginning,
+/// and it listens for theirs while the scene loads. An LCM log has no rivals: await() returns at once.
 class GroomClaim {
  public:
   /// Joins the network. Throws Error.
   GroomClaim(const Settings& settings, uint64_t session);
-  /// Throws an Error where another daemon that was heard by now has the groom. Any thread, one at a time.
+  /// Throws Error where another daemon that has been heard so far holds the groom. Callable from any thread,
+  /// one at a time.
   void check();
-  /// Listens on for as long as another may take to be heard, and says so where that takes time. Throws as
-  /// check(), and Interrupted where Ctrl-C comes.
+  /// Listens until any rival would have been heard, and logs a line where that takes over 0.3 s. Throws as
+  /// check(), and Interrupted on Ctrl-C.
   void await();
-  /// The channel, once; it outlives this.
+  /// Transfers ownership of the channel; call once. The channel must outlive this claim.
   std::unique_ptr<Publisher> take() { return std::move(owned_); }
 
  private:
@@ -45,23 +47,23 @@ class GroomClaim {
   std::unique_ptr<Publisher> owned_;
   Publisher* publisher_;
 };
-/// The same at once, without a scene to load meanwhile.
+/// Claims without a scene to load meanwhile: joins, awaits, and returns the channel. Throws as GroomClaim.
 std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session);
 
-/// Looks at a simulation after each frame, in the daemon's thread.
+/// Called with the simulation after each frame, in the daemon's thread.
 using SimulationObserver = std::function<void(Simulation&)>;
 
-/// A daemon in a thread of this process, cast over the in-process channel: what `strandcast view --scene`
-/// runs on.
+/// A daemon in a thread of this process that publishes over the in-process channel: `strandcast view
+/// --scene`.
 class EmbeddedDaemon {
  public:
   /// Makes the scene first, with a progress bar; throws Error.
   explicit EmbeddedDaemon(const Settings& settings, SimulationObserver observer = {});
   ~EmbeddedDaemon();
   Subscriber& subscriber() { return *subscriber_; }
-  /// Throws the Error that has ended the daemon, if one has.
+  /// Rethrows the Error that ended the daemon, if any.
   void checkAlive() const;
-  /// Whether it casts no more.
+  /// Whether the daemon has stopped casting.
   bool hasEnded() const { return has_ended_; }
 
  private:
@@ -74,15 +76,15 @@ class EmbeddedDaemon {
   std::thread thread_;
 };
 
-/// Where a renderer's frames come from: a daemon on the network or, with `here`, one in this process. The
-/// renderer's side sees no difference.
+/// The source of a renderer's frames: a daemon on the network or, with `here`, one in this process. The
+/// subscriber interface is the same for both.
 class Stream {
  public:
-  /// Waits until groom and body are known; throws Error after `timeout` seconds.
-  /// `observer` is called where the daemon is in this process.
+  /// Waits for groom and body; throws Error after `timeout` seconds. `observer` is called only for a daemon
+  /// in this process.
   Stream(const Settings& settings, bool here, double timeout, SimulationObserver observer = {});
   Subscriber& subscriber() { return embedded_ ? embedded_->subscriber() : *remote_; }
-  /// As EmbeddedDaemon's; a daemon on the network may fail and come back.
+  /// As EmbeddedDaemon::checkAlive(). Does nothing for a daemon on the network, which may stop and return.
   void checkAlive() const {
     if (embedded_) embedded_->checkAlive();
   }
@@ -93,13 +95,14 @@ class Stream {
   std::unique_ptr<Subscriber> remote_;
 };
 
-/// Logs what a bake is to take where that is a second or more, for those who see no progress bar. `bar`
-/// outlives it.
+/// Logs the expected duration of a bake where it is a second or more, for output without a progress bar.
+/// `bar` must outlive the result.
 BakeAnnouncement announceBakes(ProgressBar& bar);
-/// The user's cache of fields; empty, with a warning, where there is no folder for it.
-std::filesystem::path fieldCacheAloud();
-/// makeScene with a progress bar and the user's cache of fields, its notes logged. Ctrl-C stops it:
-/// BakeStopped. `meanwhile` (may be empty) is called now and then; what it throws stops it too.
-Scene makeSceneAloud(SceneOptions options, const std::function<void()>& meanwhile = {});
+/// The user's cache folder of distance fields; empty, with a warning, where there is none.
+std::filesystem::path fieldCacheWithProgress();
+/// makeScene() with a progress bar, the user's field cache and logged notes. Ctrl-C stops it: throws
+/// BakeStopped. `meanwhile` (may be empty) is called periodically; an exception from it stops the work and
+/// propagates.
+Scene makeSceneWithProgress(SceneOptions options, const std::function<void()>& meanwhile = {});
 
 }  // namespace strandcast

@@ -11,16 +11,16 @@
 #include "apps/command_limits.h"
 #include "apps/command_values.h"
 #include "core/error.h"
-#include "groom/folder_files.h"
+#include "io/folder_files.h"
 #include "transport/chunks.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
 
-constexpr size_t kColliderFileValues = 12;  // kind, follows the head, pose, friction, unit, cell
+constexpr size_t kColliderFileValues = 12;  // kind, follows head (0 or 1), pose (7), friction, unit, cell
 constexpr double kMostColliderFriction = 10;
-constexpr float kLeastLength = 1e-6f, kMostLength = 1e3f;  // m, of a unit and of a cell
+constexpr float kLeastLength = 1e-6f, kMostLength = 1e3f;  // m, limits of a unit and of a cell
 
 bool isOneOf(double value, std::initializer_list<double> values) {
   return std::find(values.begin(), values.end(), value) != values.end();
@@ -35,7 +35,7 @@ float lengthOrNone(double value, const char* what, const std::string& where) {
 }
 
 std::string notMadeText(const std::string& where, const std::string& why) {
-  return Error("the collider was not made", where, why).what();
+  return Error("the collider was not created", where, why).what();
 }
 std::string droppedText(const std::string& where) { return notMadeText(where, "it was removed meanwhile"); }
 
@@ -46,9 +46,9 @@ Command colliderFileCommand(const ColliderFile& collider) {
   command.kind = CommandKind::kAddColliderFile;
   command.name = withoutSpaces(collider.name) + ' ' + withoutSpaces(collider.file);
   if (command.name.size() > kMaxTextBytes)
-    throw Error("the names of a collider and its file are too long together", collider.file,
-                fmt::format("a command has room for {} bytes, and of each space and % for a third of them",
-                            kMaxTextBytes));
+    throw Error(
+        "the names of a collider and of its file are too long together", collider.file,
+        fmt::format("a command holds {} bytes of names; each space or % takes three bytes", kMaxTextBytes));
   command.values = {static_cast<double>(collider.kind), collider.follows_head ? 1.0 : 0.0};
   for (int c = 0; c < 3; ++c) command.values.push_back(static_cast<double>(collider.pose.position[c]));
   for (int c = 0; c < 4; ++c)
@@ -67,17 +67,17 @@ ColliderFile colliderFileOf(const Command& command, const std::string& where) {
   const std::string_view names = command.name;
   if (space == 0 || space == names.npos || space + 1 == names.size() ||
       names.find(' ', space + 1) != names.npos)
-    throw Error("a collider of a file takes two names", where,
-                "its own and the file's, a space between, with spaces and % in them as %20 and %25");
+    throw Error(
+        "a collider of a file takes two names", where,
+        "give the collider's name, a space and the file's name; write a space in a name as %20 and % as %25");
   ColliderFile out;
   out.name = withSpaces(names.substr(0, space));
   out.file = withSpaces(names.substr(space + 1));
   const bool is_convex = v[0] == static_cast<double>(PrimitiveKind::kConvex);
   if (!is_convex && v[0] != static_cast<double>(PrimitiveKind::kField))
-    throw Error("a collider of this kind is not made of a file", where, "6 is a convex body, 7 a mesh");
+    throw Error("a collider of this kind is not read from a file", where, "6 is a convex body, 7 a mesh");
   if (is_convex) out.kind = PrimitiveKind::kConvex;
-  if (!isOneOf(v[1], {0, 1}))
-    throw Error("a collider neither follows the head nor does not", where, "give 1 or 0");
+  if (!isOneOf(v[1], {0, 1})) throw Error("'follows head' is neither 0 nor 1", where, "give 1 or 0");
   out.follows_head = v[1] == 1;
   out.pose = commandedPose(v, 2, where);
   if (!(v[9] >= 0 && v[9] <= kMostColliderFriction))
@@ -105,7 +105,7 @@ void ColliderMaker::begin(const Command& command, const std::string& where) {
   job.where = where;
   const std::lock_guard lock(mutex_);
   if (jobs_.size() >= kMostWaiting)
-    throw Error(fmt::format("{} colliders are still to be made of files", jobs_.size()), where,
+    throw Error(fmt::format("{} colliders are still being made from files", jobs_.size()), where,
                 "wait for their answers");
   jobs_.push_back(std::move(job));
   changed_.notify_all();
@@ -160,7 +160,7 @@ void ColliderMaker::stop() {
 
 void ColliderMaker::work() {
   constexpr int kNiceness = 10;
-  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread, and of those that it starts
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // applies to this thread and the threads that it starts
   for (;;) {
     Job job;
     {

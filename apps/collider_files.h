@@ -16,65 +16,68 @@
 
 namespace strandcast {
 
-/// A body that a daemon is to make of a mesh of its own: docs/wire.md, kind 14.
+/// A body that a daemon makes from a mesh file of its own: docs/wire.md, kind 14.
 struct ColliderFile {
-  std::string name;                            ///< of the collider
-  std::string file;                            ///< within the daemon's folder
-  PrimitiveKind kind = PrimitiveKind::kField;  ///< or kConvex
+  std::string name;                            ///< name of the collider
+  std::string file;                            ///< path relative to the daemon's collider folder
+  PrimitiveKind kind = PrimitiveKind::kField;  ///< kField or kConvex
   bool follows_head = false;
-  Pose pose{};  ///< of one that follows the head: where it is while that is at rest
+  Pose pose{};                                   ///< world; with follows_head: while the head is at rest
   float friction = ContactPrimitive().friction;  ///< 0 to 10
-  float unit_meters = 0;  ///< 1e-6 to 1000, metres per unit of the file; 0 = as of the scene's own bodies
-  float cell = 0;         ///< m, 1e-6 to 1000, of a field; 0 = as of the scene's own bodies
+  float unit_meters = 0;  ///< metres per unit of the file, 1e-6 to 1000; 0 = the unit of the scene's own
+                          ///< bodies
+  float cell = 0;         ///< m, 1e-6 to 1000, of a field; 0 = the cell of the scene's own bodies
 };
 
-/// The command that asks for it, but for its id and groom. Throws Error where the names are longer than the
-/// wire's.
+/// The command that requests the collider; the caller sets id and groom. Throws Error where the names exceed
+/// the wire's length limit.
 Command colliderFileCommand(const ColliderFile& collider);
-/// The other way round. Throws Error, naming `where`, where it is not sound.
+/// Parses a command; inverse of colliderFileCommand(). Throws Error, naming `where`, on invalid values.
 ColliderFile colliderFileOf(const Command& command, const std::string& where);
 
-/// Throws Error, naming `where`, unless there is a file of this name beneath the folder (readBeneath: nothing
-/// outside is opened, through whatever links), and where `folder` is empty: then no file may be opened.
+/// Throws Error, naming `where`, unless a file of this name exists beneath the folder. Paths and links that
+/// lead outside are refused (readBeneath). An empty `folder` permits no file.
 void checkFileWithin(const std::filesystem::path& folder, const std::string& name, const std::string& where);
 
-/// Makes bodies of files beside the frames, one after another, in a thread of its own that gives way to those
-/// of the simulation. Where a field is baked that may take minutes.
+/// Makes bodies from files, one after another, in a low-priority thread beside the simulation. Baking a field
+/// may take minutes.
 class ColliderMaker {
  public:
   static constexpr size_t kMostWaiting = 16;
 
-  /// What became of a command.
+  /// The result of a command.
   struct Made {
     uint64_t command = 0;
     std::string name;
-    std::string where;  ///< that begin() was told
+    std::string where;  ///< as passed to begin()
     RigidBody body;
     uint64_t mesh_hash = 0;  ///< PrimitiveBody::mesh_hash
-    std::string refusal;     ///< why there is no body; or empty
+    std::string refusal;     ///< reason why there is no body; empty on success
   };
 
-  /// Opens files beneath `folder`, and the buffers there that these name, and no others; none where it is
-  /// empty.
+  /// Opens files beneath `folder`, and the buffers there that these name, and no others. An empty `folder`
+  /// permits no file.
   ColliderMaker(std::filesystem::path folder, MeshBodyOptions options)
       : folder_(std::move(folder)), options_(std::move(options)) {}
   ~ColliderMaker() { stop(); }
   ColliderMaker(const ColliderMaker&) = delete;
   ColliderMaker& operator=(const ColliderMaker&) = delete;
 
-  /// Throws Error where the command is not sound, as checkFileWithin, and where kMostWaiting are to be made.
+  /// Queues the command. Throws Error where the command is invalid, as checkFileWithin(), or where
+  /// kMostWaiting jobs are queued.
   void begin(const Command& command, const std::string& where);
-  /// Whether a collider of this name was begun and not taken yet.
+  /// Whether a collider of this name is queued, in work or done but not taken yet.
   bool makes(const std::string& name) const;
-  /// Whether anything was begun and not taken yet.
+  /// Whether any collider is queued, in work or done but not taken yet.
   bool isBusy() const;
-  /// The next that is done, in the order of their commands.
+  /// Takes the next result, in the order of the commands.
   std::optional<Made> take();
-  /// Waits until take() has something, for so long at most.
+  /// Blocks until take() has a result, or until the timeout.
   void wait(std::chrono::milliseconds timeout) const;
-  /// Refuses the collider of this name, that was begun and not taken yet; false where none was.
+  /// Cancels the collider of this name, which take() then reports as refused. False where none is queued or
+  /// done.
   bool drop(const std::string& name);
-  /// Makes no more: what is not done is refused. A file that is being read is read to its end.
+  /// Refuses all queued colliders and joins the thread. A file that is being read is read to its end.
   void stop();
 
  private:
@@ -92,7 +95,7 @@ class ColliderMaker {
   const MeshBodyOptions options_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
-  std::deque<Job> jobs_;  ///< the first is being made
+  std::deque<Job> jobs_;  ///< the first job is in work
   std::deque<Made> done_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;

@@ -6,9 +6,9 @@
 
 namespace strandcast {
 
-/// The bodies of a simulation that have shapes, as renderers know them.
+/// The simulation's bodies that have shapes, in the form that renderers receive.
 std::vector<Collider> collidersOf(const Simulation& simulation);
-/// Where those are that do not follow the head.
+/// Poses of the bodies that do not follow the head.
 std::vector<PlacedCollider> placedColliders(const Simulation& simulation);
 
 }  // namespace strandcast

@@ -2,9 +2,9 @@
 
 namespace strandcast {
 
-constexpr double kFarthestPlace = 1000;  ///< m, on each axis, of what a command places
-constexpr double kRampSeconds = 0.2;  ///< in which a command's way is gone, smoothly, where it does not say
-constexpr double kLongestWay = 3600;  ///< s, that a command may give it
-constexpr size_t kMostWindSources = 64;  ///< that commands leave a daemon with
+constexpr double kFarthestPlace = 1000;  ///< m, per axis, for positions in commands
+constexpr double kRampSeconds = 0.2;     ///< default duration of a smooth motion by command
+constexpr double kLongestWay = 3600;     ///< s, longest duration of a motion by command
+constexpr size_t kMostWindSources = 64;  ///< limit on the sources that commands may leave a daemon with
 
 }  // namespace strandcast

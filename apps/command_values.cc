@@ -44,7 +44,7 @@ std::string wordsOf(CommandKind kind) {
     case CommandKind::kRemoveWindSource:
       return "fan remove";
   }
-  return "of an unknown kind";
+  return "(unknown command)";
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ std::string commandText(const Command& command) {
   std::string text = "strandcast ctl " + wordsOf(command.kind);
   if (command.kind == CommandKind::kPause && command.values == std::vector<double>{0})
     text = "strandcast ctl go";
-  const bool has_file = command.kind == CommandKind::kAddColliderFile;  // behind the collider's own name
+  const bool has_file = command.kind == CommandKind::kAddColliderFile;  // after the collider's own name
   const std::string name = has_file ? command.name.substr(0, command.name.find(' ')) : command.name;
   return name.empty() ? text : text + ' ' + name;
 }
@@ -61,7 +61,7 @@ std::string commandText(const Command& command) {
 Pose commandedPose(const std::vector<double>& values, size_t first, const std::string& where) {
   const double* const v = values.data() + first;
   if (!std::all_of(v, v + 3, [](double x) { return std::fabs(x) <= kFarthestPlace; }))
-    throw Error("a pose is too far away", where,
+    throw Error("a position is too far away", where,
                 fmt::format("give x y z in metres, each within {}", kFarthestPlace));
   const Quat rotation(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>());
   if (!(std::fabs(rotation.norm() - 1) < 0.5f))

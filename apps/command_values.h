@@ -7,10 +7,10 @@
 
 namespace strandcast {
 
-/// What errors call a command by: how `strandcast ctl` gives it, "strandcast ctl collider move rod".
+/// A command's name in errors, in the words of `strandcast ctl`: "strandcast ctl collider move rod".
 std::string commandText(const Command& command);
-/// The pose that a command's values tell from `first` on: position x y z (m, each within kFarthestPlace),
-/// rotation x y z w, which is 0.5 to 1.5 long and made a unit one. There are so many values. Throws Error,
+/// Reads a pose from a command's values at `first`: position x y z (m, each within kFarthestPlace), rotation
+/// x y z w (length 0.5 to 1.5, then normalised). Precondition: values has first + 7 elements. Throws Error,
 /// naming `where`.
 Pose commandedPose(const std::vector<double>& values, size_t first, const std::string& where);
 

@@ -15,15 +15,15 @@
 #include "apps/toml.h"
 #include "apps/wind_control.h"
 #include "core/error.h"
-#include "groom/file_bytes.h"
+#include "io/file_bytes.h"
 #include "transport/chunks.h"
 #include "transport/dds.h"
 
 namespace strandcast {
 namespace {
 
-/// One table of a configuration file: hands out its values, checks their types, and in the end complains of
-/// whatever nobody asked for.
+/// One table of a configuration file. Hands out its values, checks their types, and finally reports every key
+/// that was not read.
 class Section {
  public:
   /// `given`: as Settings::given.
@@ -69,7 +69,7 @@ class Section {
       }
     });
   }
-  /// Names or whole numbers, one or a list of them.
+  /// Reads names or whole numbers, one or a list of them.
   void names(const char* key,
              const std::function<void(const std::string& name, const std::string& where)>& add) {
     read(key, [&](const toml::node& node) {
@@ -105,8 +105,8 @@ class Section {
       }
     });
   }
-  /// Every key nobody asked for goes to `set` with its components; `pairs`: [[0, 1], [1, 0.4]] is taken too,
-  /// as 0, 1, 1, 0.4.
+  /// Passes every key that was not read to `set` with its components. `pairs`: also accepts [[0, 1], [1,
+  /// 0.4]], as 0, 1, 1, 0.4.
   void remaining(bool pairs, const std::function<void(const std::string&, const std::vector<double>&,
                                                       const std::string& where)>& set) {
     for (const auto& [key, node] : table_)
@@ -189,22 +189,22 @@ void readUnits(Section& section, GroomReadOptions& into) {
   section.text("up", [&](const std::string& v) { into.up = upAxisOf(v, section.place("up")); });
 }
 
-/// That commands know a body by.
+/// Reads the name by which commands address a body.
 void readBodyName(Section& section, std::string& into) {
   section.text("name", [&](const std::string& v) {
     if (v.empty() || !isSoundName(v))
-      throw Error("a body has no name like this", section.place("name"),
+      throw Error("a body's name is not valid", section.place("name"),
                   fmt::format("give 1 to {} bytes without control characters", kMaxTextBytes));
     into = v;
   });
 }
 
-/// Shape keys of a primitive that its kind does not use.
+/// Warns of shape keys that the primitive's kind does not use.
 void tellUnusedShapeKeys(const Section& section, PrimitiveKind kind, std::vector<std::string>& warnings) {
   using K = PrimitiveKind;
   const struct {
     const char* key;
-    std::initializer_list<PrimitiveKind> kinds;  // that use it
+    std::initializer_list<PrimitiveKind> kinds;  // kinds that use the key
   } keys[] = {{"b", {K::kCapsule, K::kTaperedCapsule, K::kPlane}},
               {"radius", {K::kSphere, K::kCapsule, K::kTaperedCapsule}},
               {"radius_b", {K::kTaperedCapsule}},
@@ -268,8 +268,8 @@ ScenePrimitive readPrimitive(Section& section, const PathOf& path, std::vector<s
   section.text("joint", [&](const std::string& v) {
     if (v.empty()) throw Error("a joint has no name", section.place("joint"), "name one, or leave it out");
     if (is_told_to_follow)
-      throw Error("a primitive goes with its joint", section.place("follows_head"),
-                  "leave follows_head out, or joint");
+      throw Error("a primitive with a joint always follows that joint", section.place("follows_head"),
+                  "leave out follows_head or joint");
     primitive.joint = v;
   });
   readBodyName(section, primitive.name);
@@ -320,12 +320,14 @@ PinRule readPin(Section& section) {
   section.number("to", 0, 1, [&](double v) { rule.to = static_cast<float>(v); });
   rule.where = section.place();
   if (rule.bone != "head" && strcasecmp(rule.bone.c_str(), "head") == 0)
-    throw Error("a pin's bone is '" + rule.bone + "'", rule.where, "did you mean 'head'? Others stand still");
-  if (rule.from > rule.to) throw Error("a pin's from is beyond its to", rule.where, "give them in order");
+    throw Error("a pin's bone is '" + rule.bone + "'", rule.where,
+                "did you mean 'head'? Other bones do not move");
+  if (rule.from > rule.to)
+    throw Error("a pin's 'from' is greater than its 'to'", rule.where, "give them in order");
   return rule;
 }
 
-/// Into the sources before it: without a name of its own it is called by its number.
+/// Appends a source. A source without a name is named by its number.
 void readWindSource(Section& section, std::vector<NamedWindSource>& sources,
                     std::vector<std::string>& warnings) {
   WindSource out;
@@ -355,12 +357,13 @@ void readWindSource(Section& section, std::vector<NamedWindSource>& sources,
                                    windSourceKindName(out.kind)));
   for (const NamedWindSource& other : sources)
     if (other.name == name)
-      throw Error("two sources of wind are called '" + name + "'", section.place(), "give each a name of its own");
+      throw Error("two sources of wind are called '" + name + "'", section.place(),
+                  "give each a unique name");
   sources.push_back({std::move(name), out});
 }
 
 void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
-  auto path = [&](const std::string& text) { return folder / text; };  // relative to the file that names it
+  auto path = [&](const std::string& text) { return folder / text; };  // relative to the configuration file
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
   root.text("motion", [&](const std::string& v) {
     if (v.empty()) throw Error("the motion has no name", root.place("motion"), "e.g. motion = \"shake\"");

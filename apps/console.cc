@@ -17,12 +17,12 @@
 #include "collision/field_bake.h"
 #include "core/error.h"
 #include "core/nearest_name.h"
-#include "groom/text_number.h"
+#include "io/text_number.h"
 
 namespace strandcast {
 namespace {
 
-/// CLI11 takes -0.5 for a number and -.5 for an option.
+/// Inserts the leading 0: CLI11 takes -0.5 for a number and -.5 for an option.
 std::string withWholePart(const std::string& argument) {
   const bool is_short = argument.starts_with("-.") && argument.size() > 2 &&
                         std::isdigit(static_cast<unsigned char>(argument[2])) != 0;
@@ -30,7 +30,7 @@ std::string withWholePart(const std::string& argument) {
   return numberOf(argument) ? "-0" + argument.substr(1) : argument;
 }
 
-/// Those of `app` and of its groups.
+/// Appends the option names of `app` and of its option groups.
 void addOptionNames(const CLI::App& app, std::vector<std::string>& names) {
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
@@ -39,7 +39,7 @@ void addOptionNames(const CLI::App& app, std::vector<std::string>& names) {
     addOptionNames(*group, names);
 }
 
-/// What a word that no program or verb knows may have been meant to be, for the end of a message.
+/// A suggestion for a word that no program or verb knows, to end a message with.
 std::string adviceOn(const std::string& word, const CLI::App& verb) {
   std::vector<std::string> known;
   if (word.starts_with('-')) {
@@ -49,10 +49,10 @@ std::string adviceOn(const std::string& word, const CLI::App& verb) {
   for (const CLI::App* sub : verb.get_subcommands(nullptr))
     if (!sub->get_name().empty() && !sub->get_group().empty()) known.push_back(sub->get_name());
   const std::string near = didYouMean(word, known);
-  return near.empty() && !known.empty() ? fmt::format("there are {}", fmt::join(known, ", ")) : near;
+  return near.empty() && !known.empty() ? fmt::format("choose one of {}", fmt::join(known, ", ")) : near;
 }
 
-/// The line on what nobody expected; empty where all was.
+/// The message on unexpected arguments; empty where there are none.
 std::string unexpected(const CLI::App& app) {
   const CLI::App* verb = &app;
   std::string called = std::filesystem::path(app.get_name()).filename().string();

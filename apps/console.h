@@ -12,24 +12,25 @@ class App;
 
 namespace strandcast {
 
-/// Exit codes of every program: 0 done, and
+/// Exit codes of every program; 0 is success.
 constexpr int kExitCheckFailed = 1;
 constexpr int kExitBadInput = 2;
 constexpr int kExitInterrupted = 130;
 
-/// Ctrl-C came before there was anything to end in order. Thrown up to runProgram().
+/// Ctrl-C came before there was anything to close. Thrown up to runProgram().
 struct Interrupted {};
 
-/// In one line. Bytes of names that are no UTF-8, as those of files may be, become U+FFFD.
+/// Serialises on one line. Bytes of names that are not valid UTF-8, e.g. of files, become U+FFFD.
 std::string jsonText(const nlohmann::json& value);
 
-/// A progress bar on standard error; quiet when that is not a terminal.
+/// A progress bar on standard error; silent where that is not a terminal.
 class ProgressBar {
  public:
   ProgressBar();
   ~ProgressBar();
+  /// `part`: progress, 0 to 1.
   void show(const std::string& what, double part);
-  /// Takes it away until it is shown again, so that other lines can be printed.
+  /// Erases the bar until the next show(), so that other lines can be printed.
   void clear();
 
  private:
@@ -40,11 +41,12 @@ class ProgressBar {
 /// Named values, printed as a table for people or as one JSON object.
 class Report {
  public:
+  /// `key`: in JSON. `label`: in the table.
   void add(const std::string& key, const std::string& label, const std::string& text);
   void add(const std::string& key, const std::string& label, double value, const std::string& unit,
            int digits);
   void addCount(const std::string& key, const std::string& label, uint64_t value);
-  void print(bool json) const;  ///< on standard output
+  void print(bool json) const;  ///< to standard output
 
  private:
   struct Row {
@@ -53,16 +55,16 @@ class Report {
   std::vector<Row> rows_;
 };
 
-/// What a program returns at its end: the exit code, or 2, with a line on standard error, where what it
-/// printed on standard output did not get there. That nobody reads on (`| head`) is no failure.
+/// The exit code of a program; 2, with a line on standard error, where standard output could not be written.
+/// A closed pipe (`| head`) is not a failure.
 int withOutputWritten(int exit_code);
 
-/// Reads a program's arguments into `app`. The exit code where the program ends with it: it was asked for
-/// help, or told what it does not know.
+/// Parses a program's arguments into `app`. Returns an exit code where the program must end: after help, or
+/// on an unknown argument.
 std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* argv);
 
-/// Runs a program's body: an Error or a stray exception becomes one line on standard error and exit code 2,
-/// Interrupted or a BakeStopped exit code 130, else as withOutputWritten().
+/// Runs a program's body. An Error or another exception becomes one line on standard error and exit code 2;
+/// Interrupted or BakeStopped exit code 130; otherwise as withOutputWritten().
 int runProgram(const std::function<int()>& body);
 
 }  // namespace strandcast

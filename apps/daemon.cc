@@ -28,29 +28,30 @@ namespace strandcast {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr size_t kStepWindow = 1200;  // steps that the timing statistics look back on
-constexpr double kPullSeconds = 1;    // of simulation, after which a hand lets go that nobody moves
+constexpr size_t kStepWindow = 1200;  // steps in the window of the timing statistics
+constexpr double kPullSeconds = 1;    // s of simulation time after which a pull without updates ends (drag
+                                      // timeout)
 
 double milliseconds(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 
-/// docs/wire.md, "Command": kind, whether it follows the head, pose, and the numbers of a shape.
+/// Reads docs/wire.md, "Command": kind, whether it follows the head, pose, and the numbers of a shape.
 ContactPrimitive commandedShape(const std::vector<double>& values, const std::string& where) {
   constexpr size_t kBefore = 9;
   if (values.size() != kBefore + kShapeNumbers)
-    throw Error("a collider takes 25 numbers", where, "kind, follows the head, pose, and 16 of its shape");
+    throw Error("a collider takes 25 numbers", where, "kind, follows head, pose (7), shape (16)");
   const double kind = values[0];
   if (kind != std::floor(kind) || kind < 0 || kind > static_cast<double>(PrimitiveKind::kBox))
     throw Error("a collider of this kind cannot be added by command", where,
-                "kinds 0 to 5 can: sphere to box; others are of the scene");
+                "commands add kinds 0 (sphere) to 5 (box)");
   ContactPrimitive shape;
   shape.kind = static_cast<PrimitiveKind>(static_cast<uint32_t>(kind));
   const double* number = values.data() + kBefore;
   shapeNumbers(shape, [&](float& into) { into = static_cast<float>(*number++); });
-  checkColliderShape(shape, where);  // before anything is changed, not when it is announced
+  checkColliderShape(shape, where);  // validated before anything changes, not at the announcement
   return shape;
 }
 
-/// The one value of a command.
+/// The single value of a command, a whole number within [low, high].
 int wholeNumber(const Command& command, int low, int high, const std::string& where) {
   const bool one = command.values.size() == 1;
   if (!one || !(command.values[0] >= low && command.values[0] <= high) ||
@@ -82,7 +83,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
       head_pivot_(scene.head_pivot),
       simulation_(makeSimulation(scene, settings)),
       wind_(settings.wind_sources, simulation_) {
-  if (publisher.sharedTurn() != SharedTurn::kUnshared) {
+  if (publisher.castingState() != CastingState::kUnshared) {
     part_ = Part::kWaits;
     fingerprint_ = fingerprintOf(scene, settings);
   }
@@ -99,7 +100,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
   status_.device = simulation_.backend().device();
   status_.strands = simulation_.model().strands();
   status_.vertices = simulation_.model().vertices();
-  tellParameters();
+  fillStatus();
 
   groom_.groom_id = settings.groom_id;
   groom_.session = session;
@@ -116,11 +117,10 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
 void Daemon::announce() {
   const size_t free = placedColliders(simulation_).size();
   if (free > kMaxPlacedColliders)
-    throw Error(
-        fmt::format("{} bodies do not follow the head", free), status_.groom_name,
-        fmt::format("{} at most are cast: leave out names of [[body.primitives]] that stand, which are "
-                    "then one body",
-                    kMaxPlacedColliders));
+    throw Error(fmt::format("{} bodies do not follow the head", free), status_.groom_name,
+                fmt::format("at most {} are published: leave out the names of standing [[body.primitives]], "
+                            "which then form one body",
+                            kMaxPlacedColliders));
   publisher_.announce(groom_, body_);
   announceColliders();
   groom_ = {};
@@ -135,12 +135,12 @@ void Daemon::apply(const Command& command) {
       setParameter(parameters, command.name, command.values, where);
       simulation_.setParameters(parameters);
       tellWhatIsVoid(command.name);
-      return tellParameters();
+      return fillStatus();
     }
     case CommandKind::kHeadPose:
       return moveHead(command, where);
-    case CommandKind::kHeadMotion:  // files are this machine's own
-      return setCourse({SteeredHead::Kind::kNamed, command.name, motionPose(), {}, simulation_.time()});
+    case CommandKind::kHeadMotion:  // only procedural motions: file names belong to another machine
+      return steerHead({SteeredHead::Kind::kNamed, command.name, motionPose(), {}, simulation_.time()});
     case CommandKind::kReset:
       return reset();
     case CommandKind::kShutdown:
@@ -156,28 +156,28 @@ void Daemon::apply(const Command& command) {
       return pull(command, where);
     case CommandKind::kAddCollider:
       addCollider(command, where);
-      return tellParameters();
+      return fillStatus();
     case CommandKind::kAddColliderFile:
       return addColliderFile(command, where);
     case CommandKind::kMoveCollider:
       return moveCollider(command, where);
     case CommandKind::kRemoveCollider:
       removeCollider(command, where);
-      return tellParameters();
+      return fillStatus();
     case CommandKind::kAddWindSource:
       wind_.add(command, where);
-      return tellParameters();
+      return fillStatus();
     case CommandKind::kMoveWindSource:
       return wind_.move(command, where);
     case CommandKind::kRemoveWindSource:
       wind_.remove(command, where);
-      return tellParameters();
+      return fillStatus();
   }
   throw Error("unknown kind of command", where, "is the sender newer than this daemon?");
 }
 
-/// Hair and what was measured of it begin anew. The head and bodies stay on their ways, parameters and wind
-/// as they are, and the clock goes on.
+/// Resets the hair and its measurements. Motions of head and bodies, parameters, wind and simulation time are
+/// kept.
 void Daemon::reset() {
   simulation_.reset();
   ++resets_;
@@ -192,14 +192,15 @@ void Daemon::tellWhatIsVoid(const std::string& parameter) {
   if (why.empty())
     told_void_.erase(parameter);
   else if (told_void_.insert(parameter).second)
-    spdlog::warn("parameter '{}' does nothing as it is: {}", parameter, why);
+    spdlog::warn("parameter '{}' has no effect: {}", parameter, why);
 }
 
 void Daemon::pull(const Command& command, const std::string& where) {
   const auto& v = command.values;
-  if (v.empty()) return simulation_.letGo();
+  if (v.empty()) return simulation_.releaseHair();
   if (v.size() != 8)
-    throw Error("a pull takes 8 numbers", where, "where it closes, radius, where it is, rate; none lets go");
+    throw Error("a pull takes 8 numbers", where,
+                "grab point, radius, target point, rate; no numbers release");
   const auto at = [&](size_t i) { return Vec3(Eigen::Vector3d(v[i], v[i + 1], v[i + 2]).cast<float>()); };
   simulation_.pullHair(at(0), static_cast<float>(v[3]), at(4), static_cast<float>(v[7]));
   pull_until_ = simulation_.time() + kPullSeconds;
@@ -209,7 +210,7 @@ void Daemon::pull(const Command& command, const std::string& where) {
 void Daemon::moveHead(const Command& command, const std::string& where) {
   if (command.values.size() != 7)
     throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
-  setCourse({SteeredHead::Kind::kPose, "", motionPose(), commandedPose(command.values, 0, where),
+  steerHead({SteeredHead::Kind::kPose, "", motionPose(), commandedPose(command.values, 0, where),
              simulation_.time()});
 }
 
@@ -218,9 +219,9 @@ Pose Daemon::motionPose() const {
   return carried.inverse() * simulation_.headPose();
 }
 
-void Daemon::setCourse(SteeredHead course) {
-  motion_ = motionOf(course, scene_motion_, head_pivot_);
-  course_ = std::move(course);
+void Daemon::steerHead(SteeredHead steered) {
+  motion_ = motionOf(steered, scene_motion_, head_pivot_);
+  steered_head_ = std::move(steered);
 }
 
 void Daemon::addCollider(const Command& command, const std::string& where) {
@@ -246,16 +247,16 @@ BodyId Daemon::namedCollider(const std::string& name, const std::string& where) 
     throw Error("hair grows on '" + name + "', which commands neither move nor remove", where,
                 skinned_ ? "its clip and the head's motion move its joints" : "move the head");
   throw Error(
-      "there is no collider '" + name + "'", where,
-      "those can be moved or removed that were added by command or that the configuration file names");
+      "unknown collider '" + name + "'", where,
+      "commands move and remove only colliders that a command added or that the configuration file names");
 }
 
 void Daemon::checkColliderName(const std::string& name, const std::string& where) const {
-  if (name.empty()) throw Error("a collider has no name", where, "give it one of its own");
+  if (name.empty()) throw Error("a collider has no name", where, "give it a unique name");
   if (named_.contains(name) || name == body_name_)
-    throw Error("there is a collider '" + name + "'", where, "give it a name of its own");
+    throw Error("a collider has the same name: '" + name + "'", where, "give it a unique name");
   if (maker_.makes(name))
-    throw Error("a collider '" + name + "' is being made", where, "give it a name of its own");
+    throw Error("a collider '" + name + "' is being made", where, "give it a unique name");
 }
 
 void Daemon::addNamed(const std::string& name, RigidBody body, const std::string& where) {
@@ -265,7 +266,7 @@ void Daemon::addNamed(const std::string& name, RigidBody body, const std::string
     shapes += simulation_.body(id).primitives.size();
   }
   if (free > kMaxPlacedColliders || simulation_.bodies() >= kMaxColliders || shapes > kMaxColliderShapes)
-    throw Error("there are too many colliders", where, "remove one first");
+    throw Error("too many colliders", where, "remove one first");
   named_[name] = simulation_.addBody(std::move(body));
   announceColliders();
 }
@@ -273,11 +274,11 @@ void Daemon::addNamed(const std::string& name, RigidBody body, const std::string
 void Daemon::takeMadeBodies() {
   while (std::optional<ColliderMaker::Made> made = maker_.take()) {
     if (made->refusal.empty()) {
-      made->refusal = refusalOf([&] {
+      made->refusal = errorTextOf([&] {
         if (of_show_.contains(made->command)) checkMesh(*made);
         checkColliderShape(made->body.primitives.front(), made->where);
         addNamed(made->name, std::move(made->body), made->where);
-        tellParameters();
+        fillStatus();
       });
     }
     auto command = being_made_.extract(made->command);
@@ -309,15 +310,16 @@ void Daemon::dropBodies() {
 void Daemon::moveCollider(const Command& command, const std::string& where) {
   const BodyId id = namedCollider(command.name, where);
   if (command.values.size() != 7 && command.values.size() != 8)
-    throw Error("a collider's pose takes 7 numbers, and seconds", where, "position, rotation x y z w");
+    throw Error("a collider's move takes a pose of 7 numbers, and seconds", where,
+                "position, rotation x y z w");
   if (simulation_.body(id).follows_head)
     throw Error("collider '" + command.name + "' follows the head", where, "move the head");
   if (const std::string* joint = skinned_ ? skinned_->jointOf(id) : nullptr)
-    throw Error(fmt::format("collider '{}' goes with the body's joint '{}'", command.name, *joint), where,
-                "the body's clip and the head's motion move it; remove it and add one that stands");
+    throw Error(fmt::format("collider '{}' follows the body's joint '{}'", command.name, *joint), where,
+                "the body's clip and the head's motion move it; remove it and add a standing collider");
   const double seconds = command.values.size() == 8 ? command.values[7] : kRampSeconds;
   if (!(seconds >= 0 && seconds <= kLongestWay))
-    throw Error(fmt::format("a collider takes 0 to {:g} s to move", kLongestWay), where, "");
+    throw Error(fmt::format("a collider's move takes 0 to {:g} s", kLongestWay), where, "");
   ways_[id] = {simulation_.bodyPose(id), commandedPose(command.values, 0, where), simulation_.time(),
                seconds};
 }
@@ -347,42 +349,42 @@ void Daemon::askForSteps(const Command& command, const std::string& where) {
   int owed = 0;
   for (const Steps& steps : steps_) owed += steps.left;
   if (owed + count > kMostSteps)
-    throw Error(fmt::format("{} steps are still to be taken", owed), where, "wait for their answer");
+    throw Error(fmt::format("{} steps are pending", owed), where, "wait for the daemon's answer");
   steps_.push_back({command.id, where, count});
 }
 
-void Daemon::obey(const Command& command) {
+void Daemon::execute(const Command& command) {
   const CommandKind kind = command.kind;
   if (kind == CommandKind::kReset || kind == CommandKind::kPause || kind == CommandKind::kShutdown)
-    dropSteps("reset, pause, go and stop end them");
+    dropSteps("reset, pause, go and stop cancel pending steps");
   if (kind == CommandKind::kShutdown) dropBodies();
-  const std::string refusal = refusalOf([&] { apply(command); });
+  const std::string refusal = errorTextOf([&] { apply(command); });
   const bool takes_time = kind == CommandKind::kStep || kind == CommandKind::kAddColliderFile;
   const bool has_begun = takes_time && refusal.empty();
   if (!has_begun) answer(command.id, refusal);
 }
 
 void Daemon::answer(uint64_t command, const std::string& refusal) {
-  if (follows_) return;  // the one that casts answers
+  if (follows_) return;  // the casting daemon answers
   status_.simulation_time = simulation_.time();
   status_.last_command = command;
   status_.last_command_error = refusal;
   constexpr size_t kAnswersKept = 64;
   answered_.emplace_back(command, refusal);
   if (answered_.size() > kAnswersKept) answered_.pop_front();
-  publishShow(false);  // before the answer: what was answered is in the show
+  publishShow(false);  // before the answer, so that the show contains every answered command
   if (!refusal.empty()) spdlog::warn("refused: {}", refusal);
-  publisher_.publishStatus(status_);  // its measured numbers are those of the last look
+  publisher_.publishStatus(status_);  // measured values are those of the last measure()
 }
 
-/// A frame's share of those that commands have asked for. False when `stop` came first.
+/// Takes this frame's share of the steps that commands have requested. False when `stop` came first.
 bool Daemon::takeSteps(const std::atomic<bool>& stop) {
   const auto end = Clock::now() + std::chrono::duration<double>(0.5 / settings_.rate);
   do {
     if (stop) return false;
     advance();
     if (--steps_.front().left > 0) continue;
-    measure();  // who asks for steps asks what came of them
+    measure();  // the answer to a step command carries current measurements
     answer(steps_.front().command, {});
     steps_.pop_front();
   } while (!steps_.empty() && (takes_another_ ? takes_another_(simulation_) : Clock::now() < end));
@@ -399,14 +401,14 @@ void Daemon::dropSteps(const std::string& why) {
 
 void Daemon::advance() {
   const Clock::time_point start = Clock::now();
-  if (simulation_.pulledVertices() > 0 && simulation_.time() > pull_until_) simulation_.letGo();
+  if (simulation_.pulledVertices() > 0 && simulation_.time() > pull_until_) simulation_.releaseHair();
   const double end = simulation_.time() + simulation_.parameters().time_step;
-  moveTo(skinned_.get(), end, motion_(end - course_.start), simulation_);
+  moveTo(skinned_.get(), end, motion_(end - steered_head_.start), simulation_);
   goOnWithWays(end);
   wind_.goOn(end);
   simulation_.step();
   status_.strands_reset +=
-      simulation_.resetBroken();  // waits for the backend: the time is that of the whole step
+      simulation_.resetBroken();  // synchronises with the backend, so that the time covers the whole step
   const double ms = milliseconds(Clock::now() - start);
   if (step_ms_.size() < kStepWindow)
     step_ms_.push_back(ms);
@@ -442,19 +444,19 @@ void Daemon::publishFrame() {
                                                   .count());
   if (part_ == Part::kTakesPart) publisher_.publish(frame_);
   status_.frames = frame_.frame;
-  lookAt(static_cast<size_t>(std::ceil(static_cast<double>(simulation_.model().strands()) /
-                                       std::max(kStatusInterval * settings_.rate, 1.0))));
+  measureSlice(static_cast<size_t>(std::ceil(static_cast<double>(simulation_.model().strands()) /
+                                             std::max(kStatusInterval * settings_.rate, 1.0))));
   if (observer_) observer_(simulation_);
 }
 
-// All strands at once would hold up a frame: 0.1 s for 96,000 vertices.
-void Daemon::lookAt(size_t strands) {
+// Measuring all strands in one frame would delay it: 0.1 s for 96,000 vertices.
+void Daemon::measureSlice(size_t strands) {
   const size_t end = std::min(looked_at_ + strands, simulation_.model().strands());
   looked_.add(simulation_.measure({looked_at_, end}));
   looked_at_ = end;
 }
 
-void Daemon::tellParameters() {
+void Daemon::fillStatus() {
   status_.parameters = parameterTable(simulation_.parameters());
   for (const auto& [name, source] : wind_.sources())
     tell(status_.parameters, kToldSource, name, windSourceValues(source));
@@ -467,7 +469,7 @@ void Daemon::tellParameters() {
 }
 
 void Daemon::measure() {
-  lookAt(simulation_.model().strands());
+  measureSlice(simulation_.model().strands());
   const Measurement measured = std::exchange(looked_, {});
   looked_at_ = 0;
   status_.simulation_time = simulation_.time();
@@ -480,7 +482,7 @@ void Daemon::measure() {
 }
 
 void Daemon::publishStatus() {
-  tellParameters();
+  fillStatus();
   measure();
   status_.readers = publisher_.matchedReaders();
   status_.encoding = publisher_.encoding();
@@ -494,19 +496,19 @@ bool Daemon::obeyCommands(const std::atomic<bool>& stop) {
   for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
     const std::optional<Command> command = publisher_.takeCommand();
     if (!command) break;
-    obey(*command);
+    execute(*command);
     if (waits_for_bodies_ && !awaitBodies(stop)) return false;
   }
   return true;
 }
 
 bool Daemon::castFrame(const std::atomic<bool>& stop) {
-  if (publisher_.lapsed()) waitForShow();
-  const SharedTurn turn = publisher_.sharedTurn();
+  if (publisher_.takeLapse()) waitForShow();
+  const CastingState turn = publisher_.castingState();
   if (part_ == Part::kWaits && !hasShow(turn)) return true;
   takeMadeBodies();
-  // Who has a show and does not know of all others yet does not take it over.
-  const bool follows = turn == SharedTurn::kAnothers || (turn == SharedTurn::kUnknown && follows_);
+  // A standby that has not yet heard all claimants does not take over.
+  const bool follows = turn == CastingState::kOther || (turn == CastingState::kUnknown && follows_);
   if (follows) {
     followShow();
     if (!failure_.empty()) return true;
@@ -521,12 +523,13 @@ bool Daemon::castFrame(const std::atomic<bool>& stop) {
     tellShow();
     return true;
   }
-  for (owed_ += paused_ ? 0 : 1 / settings_.rate; owed_ > step * (1 - 1e-6); owed_ -= step) {
+  for (time_accumulator_ += paused_ ? 0 : 1 / settings_.rate; time_accumulator_ > step * (1 - 1e-6);
+       time_accumulator_ -= step) {
     if (stop) return false;
     advance();
   }
   publishFrame();
-  if (turn == SharedTurn::kOwn) tellShow();
+  if (turn == CastingState::kOwn) tellShow();
   return true;
 }
 

@@ -1,5 +1,5 @@
-// How daemons that share a groom hand a show on: who casts tells it, the others keep to it (docs/wire.md,
-// "ShowChunk").
+// How daemons that share a groom hand over a show: the casting daemon publishes it, the others follow it
+// (docs/wire.md, "ShowChunk").
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -22,7 +22,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kShowPeriod{100};
-constexpr double kMostBehind = 1;  // s; who is farther from the show's time jumps to it
+constexpr double kMostBehind = 1;  // s; a daemon farther from the show's time jumps to it
 constexpr size_t kPoseValues = 7, kPoseOfCommand = 2;
 constexpr size_t kAnswersRepeated = 16;
 
@@ -38,12 +38,12 @@ void addSource(std::vector<double>& values, const WindSource& source) {
 
 std::string whereOf(const Show& show) { return fmt::format("show of session {:016x}", show.session); }
 
-/// Throws Error, naming `where`, unless an entry has so many values.
+/// Throws Error, naming `where`, unless the entry has `count` values.
 void checkCount(const ShowEntry& entry, size_t count, const std::string& where) {
   if (entry.values.size() != count)
     throw Error(fmt::format("an entry of kind {} has {} values, not {}", static_cast<uint32_t>(entry.kind),
                             entry.values.size(), count),
-                where, "is the daemon that casts of another version?");
+                where, "is the publishing daemon of another version?");
 }
 
 bool isCollider(const ShowEntry& entry) {
@@ -53,13 +53,13 @@ bool isCollider(const ShowEntry& entry) {
 
 bool followsHead(const ShowEntry& entry) { return entry.values.size() > 1 && entry.values[1] != 0; }
 
-/// The name of a collider that an entry is of; of one of a file, which has two names, its own.
+/// The collider's name in an entry. An entry of a file collider holds two names, the collider's first.
 std::string nameOf(const ShowEntry& entry) {
   if (entry.kind != ShowKind::kColliderFile) return entry.name;
   return withSpaces(std::string_view(entry.name).substr(0, entry.name.find(' ')));
 }
 
-/// Whether a command makes the collider of an entry; where it stands may differ, of one that can be moved.
+/// Whether the command makes the collider of the entry. Poses may differ where the collider can be moved.
 bool makes(const Command& command, const ShowEntry& entry) {
   const CommandKind kind =
       entry.kind == ShowKind::kColliderFile ? CommandKind::kAddColliderFile : CommandKind::kAddCollider;
@@ -72,39 +72,39 @@ bool makes(const Command& command, const ShowEntry& entry) {
   return true;
 }
 
-SteeredHead courseOf(const ShowEntry& entry, const std::string& where) {
+SteeredHead steeredHeadOf(const ShowEntry& entry, const std::string& where) {
   checkCount(entry, 2 + 2 * kPoseValues, where);
-  SteeredHead course;
+  SteeredHead steered;
   const double kind = entry.values[0];
-  if (kind != 0 && kind != 1 && kind != 2) throw Error("a head moves in no known way", where, "");
-  course.kind = static_cast<SteeredHead::Kind>(static_cast<int>(kind));
-  course.name = entry.name;
-  course.start = entry.values[1];
-  course.from = commandedPose(entry.values, 2, where);
-  course.to = commandedPose(entry.values, 2 + kPoseValues, where);
-  return course;
+  if (kind != 0 && kind != 1 && kind != 2) throw Error("unknown kind of head motion", where, "");
+  steered.kind = static_cast<SteeredHead::Kind>(static_cast<int>(kind));
+  steered.name = entry.name;
+  steered.start = entry.values[1];
+  steered.from = commandedPose(entry.values, 2, where);
+  steered.to = commandedPose(entry.values, 2 + kPoseValues, where);
+  return steered;
 }
 
-ShowEntry entryOf(const SteeredHead& course) {
-  ShowEntry entry{ShowKind::kHead, course.name, {static_cast<double>(course.kind), course.start}};
-  addPose(entry.values, course.from);
-  addPose(entry.values, course.to);
+ShowEntry entryOf(const SteeredHead& steered) {
+  ShowEntry entry{ShowKind::kHead, steered.name, {static_cast<double>(steered.kind), steered.start}};
+  addPose(entry.values, steered.from);
+  addPose(entry.values, steered.to);
   return entry;
 }
 
-ShowEntry entryOf(const WindControl::Way& way) {
+ShowEntry entryOf(const WindControl::Ramp& way) {
   ShowEntry entry{ShowKind::kWindWay, way.name, {static_cast<double>(way.parts), way.start, way.seconds}};
   addSource(entry.values, way.from);
   addSource(entry.values, way.to);
   return entry;
 }
 
-WindControl::Way windWayOf(const ShowEntry& entry, const std::string& where) {
+WindControl::Ramp windRampOf(const ShowEntry& entry, const std::string& where) {
   const size_t numbers = windSourceValues({}).size();
   checkCount(entry, 3 + 2 * numbers, where);
   const auto& v = entry.values;
   if (!(v[0] >= 1 && v[0] <= kAllSourceParts) || !(v[2] >= 0 && v[2] <= kLongestWay))
-    throw Error("a source of wind moves in no known way", where, "");
+    throw Error("unknown kind of wind source motion", where, "");
   const auto sourceAt = [&](size_t first) {
     const auto begin = v.begin() + static_cast<ptrdiff_t>(first);
     return windSourceOf({begin, begin + static_cast<ptrdiff_t>(numbers)}, where);
@@ -112,7 +112,7 @@ WindControl::Way windWayOf(const ShowEntry& entry, const std::string& where) {
   return {entry.name, static_cast<WindSourceParts>(v[0]), sourceAt(3), sourceAt(3 + numbers), v[1], v[2]};
 }
 
-/// The command of an answer or of steps, and what stands behind it.
+/// The command id of an answer or of steps, and the text after it.
 std::pair<uint64_t, std::string> numbered(const ShowEntry& entry) {
   uint64_t id = 0;
   const char* const end = entry.name.data() + entry.name.size();
@@ -159,9 +159,9 @@ Show Daemon::showNow(bool with_hair) {
     show.entries.push_back({ShowKind::kParameter, name, values});
   for (const auto& [name, source] : wind_.sources())
     show.entries.push_back({ShowKind::kWindSource, name, windSourceValues(source)});
-  for (const WindControl::Way& way : wind_.ways()) show.entries.push_back(entryOf(way));
+  for (const WindControl::Ramp& way : wind_.ways()) show.entries.push_back(entryOf(way));
   addColliderEntries(show.entries);
-  show.entries.push_back(entryOf(course_));
+  show.entries.push_back(entryOf(steered_head_));
   if (paused_) show.entries.push_back({ShowKind::kPaused, "", {}});
   for (const Steps& steps : steps_)
     show.entries.push_back(
@@ -179,12 +179,12 @@ Show Daemon::showNow(bool with_hair) {
 }
 
 void Daemon::publishShow(bool with_hair) {
-  if (publisher_.sharedTurn() != SharedTurn::kOwn || publisher_.sharers() == 0) return;
+  if (publisher_.castingState() != CastingState::kOwn || publisher_.sharers() == 0) return;
   publisher_.publishShow(showNow(with_hair));
 }
 
 void Daemon::tellShow() {
-  if (publisher_.sharedTurn() != SharedTurn::kOwn || publisher_.sharers() == 0) return;
+  if (publisher_.castingState() != CastingState::kOwn || publisher_.sharers() == 0) return;
   if (publisher_.wantsHair()) publishShow(true);
   if (Clock::now() < show_due_) return;
   show_due_ = Clock::now() + kShowPeriod;
@@ -192,7 +192,7 @@ void Daemon::tellShow() {
 }
 
 void Daemon::waitForShow() {
-  spdlog::warn("groom {}: this daemon stood still, and its turn has passed: it waits for the show",
+  spdlog::warn("groom {}: this daemon was suspended and lost its claim; it waits for the show",
                settings_.groom_id);
   part_ = Part::kWaits;
   has_own_hair_ = true;
@@ -201,22 +201,22 @@ void Daemon::waitForShow() {
   held_.clear();
 }
 
-bool Daemon::hasShow(SharedTurn turn) {
+bool Daemon::hasShow(CastingState turn) {
   constexpr std::chrono::milliseconds kWorthSaying{500};
   constexpr std::chrono::seconds kTooLong{10};
-  if (turn == SharedTurn::kNobodys || turn == SharedTurn::kOwn) {
+  if (turn == CastingState::kUnclaimed || turn == CastingState::kOwn) {
     if (said_wait_)
-      spdlog::warn("nobody casts groom {} any more, and no show has come: it {}", settings_.groom_id,
-                   has_own_hair_ ? "goes on with its own" : "starts anew");
+      spdlog::warn("groom {} has no publisher any more and no show was received: this daemon {}",
+                   settings_.groom_id,
+                   has_own_hair_ ? "continues with its own hair" : "starts from the rest shape");
     part_ = Part::kTakesPart;
     return true;
   }
   while (std::optional<Show> show = publisher_.takeShow()) {
     if (!show->hasHair() && !has_own_hair_) continue;
-    failure_ = refusalOf([&] { goOnWith(*show); });
+    failure_ = errorTextOf([&] { goOnWith(*show); });
     if (!failure_.empty()) return false;
-    spdlog::info("goes on with the show of session {:016x}, at {:.1f} s", show->session,
-                 show->simulation_time);
+    spdlog::info("continues the show of session {:016x} at {:.1f} s", show->session, show->simulation_time);
     follows_ = true;
     part_ = Part::kCatchesUp;
     news_ = 0;
@@ -225,15 +225,15 @@ bool Daemon::hasShow(SharedTurn turn) {
   const auto waited = Clock::now() - waits_since_;
   if (!said_wait_ && waited > kWorthSaying) {
     said_wait_ = true;
-    spdlog::info("another daemon casts groom {}: waiting for its show before this one may take over",
-                 settings_.groom_id);
+    spdlog::info(
+        "another daemon publishes groom {}: this daemon waits for its show and may take over after that",
+        settings_.groom_id);
   }
   if (!warned_wait_ && waited > kTooLong) {
     warned_wait_ = true;
     spdlog::warn(
-        "no show of groom {} has come for {} s: is the daemon that casts it older, or without the keys for "
-        "it? This "
-        "one stands by, and casts when that one ends",
+        "no show of groom {} was received for {} s: is the publishing daemon older, or without the keys for "
+        "it? This daemon stands by, and publishes when that daemon ends",
         settings_.groom_id, kTooLong.count());
   }
   return false;
@@ -242,12 +242,12 @@ bool Daemon::hasShow(SharedTurn turn) {
 void Daemon::followShow() {
   follows_ = true;
   while (std::optional<Command> command = publisher_.takeCommand()) {
-    if (command->kind == CommandKind::kShutdown) shutdown_ = true;  // of all that share the groom
+    if (command->kind == CommandKind::kShutdown) shutdown_ = true;  // ends all sharers of the groom
     if (held_.size() < kMaxQueuedCommands) held_.push_back(std::move(*command));
   }
   while (std::optional<Show> show = publisher_.takeShow()) {
     if (show->hasHair()) continue;
-    failure_ = refusalOf([&] { goOnWith(*show); });
+    failure_ = errorTextOf([&] { goOnWith(*show); });
     if (!failure_.empty()) return;
     std::erase_if(held_, [&](const Command& command) {
       return std::any_of(answered_.begin(), answered_.end(),
@@ -255,18 +255,20 @@ void Daemon::followShow() {
              std::any_of(steps_.begin(), steps_.end(),
                          [&](const Steps& steps) { return steps.command == command.id; });
     });
-    // Not by the first news, which may have waited with the hair while this daemon was busy.
+    // The first shows after the hair may have been queued while this daemon was busy: their time is stale.
     constexpr int kEnoughNews = 3;
     const bool is_there = std::fabs(behind_) < 3 / settings_.rate && ++news_ >= kEnoughNews;
-    if (part_ == Part::kTakesPart && !missing_.empty()) {  // one that has it all is to take over first
+    if (part_ == Part::kTakesPart && !missing_.empty()) {  // daemons with all colliders have precedence
       part_ = Part::kCatchesUp;
-      publisher_.leaveTurn();
+      publisher_.withdrawClaim();
     }
     const bool is_ready = part_ == Part::kCatchesUp && is_there && !maker_.isBusy() && missing_.empty();
     if (is_ready && publisher_.yields()) {
       if (!std::exchange(said_equal_, true))
-        spdlog::info("the daemon that casts groom {} has an equal claim: this one casts when that one ends",
-                     settings_.groom_id);
+        spdlog::info(
+            "the publishing daemon of groom {} has an equal claim: this daemon publishes when that daemon "
+            "ends",
+            settings_.groom_id);
     } else if (is_ready) {
       part_ = Part::kTakesPart;
     }
@@ -277,8 +279,8 @@ void Daemon::takeOver() {
   follows_ = false;
   part_ = Part::kTakesPart;
   spdlog::info("takes over groom {} at {:.1f} s", settings_.groom_id, simulation_.time());
-  for (const auto& [name, mesh] : missing_) spdlog::warn("the show goes on without collider {}", name);
-  // Who sent these may not have heard the answer.
+  for (const auto& [name, mesh] : missing_) spdlog::warn("the show continues without collider {}", name);
+  // The senders of these commands may not have received the answers.
   const size_t repeated = std::min(answered_.size(), kAnswersRepeated);
   for (auto answer = answered_.end() - static_cast<ptrdiff_t>(repeated); answer != answered_.end();
        ++answer) {
@@ -286,7 +288,7 @@ void Daemon::takeOver() {
     status_.last_command_error = answer->second;
     publisher_.publishStatus(status_);
   }
-  for (const Command& command : std::exchange(held_, {})) obey(command);
+  for (const Command& command : std::exchange(held_, {})) execute(command);
 }
 
 void Daemon::goOnWith(const Show& show) {
@@ -294,13 +296,14 @@ void Daemon::goOnWith(const Show& show) {
   const std::string difference = differenceOf(fingerprint_, show.entries);
   if (!difference.empty())
     throw Error(
-        fmt::format("groom {} is cast from another scene; different are: {}", settings_.groom_id, difference),
+        fmt::format("groom {} is published from another scene; differences: {}", settings_.groom_id,
+                    difference),
         where,
         "start daemons that --claim one groom with the same scene and options, or choose another --groom-id");
   Parameters parameters = simulation_.parameters();
   std::vector<NamedWindSource> sources;
-  std::vector<WindControl::Way> wind_ways;
-  SteeredHead course;
+  std::vector<WindControl::Ramp> wind_ways;
+  SteeredHead steered;
   const ShowEntry* pull = nullptr;
   uint32_t resets = 0;
   paused_ = false;
@@ -315,10 +318,10 @@ void Daemon::goOnWith(const Show& show) {
         sources.push_back({entry.name, windSourceOf(entry.values, where)});
         break;
       case ShowKind::kWindWay:
-        wind_ways.push_back(windWayOf(entry, where));
+        wind_ways.push_back(windRampOf(entry, where));
         break;
       case ShowKind::kHead:
-        course = courseOf(entry, where);
+        steered = steeredHeadOf(entry, where);
         break;
       case ShowKind::kPaused:
         paused_ = true;
@@ -341,20 +344,21 @@ void Daemon::goOnWith(const Show& show) {
         answered_.push_back(numbered(entry));
         break;
       default:
-        break;  // colliders: below
+        break;  // colliders: see takeColliders()
     }
   }
   if (namedValues(parameterTable(parameters)) != namedValues(parameterTable(simulation_.parameters())))
     simulation_.setParameters(parameters);
   wind_.goOnWith(std::move(sources), std::move(wind_ways), where);
-  if (!(course == course_)) setCourse(course);
+  if (!(steered == steered_head_)) steerHead(steered);
   takeColliders(show);
   const bool is_new = show_session_ != show.session;
   if (show.hasHair()) {
-    moveTo(skinned_.get(), show.simulation_time, motion_(show.simulation_time - course_.start), simulation_);
+    moveTo(skinned_.get(), show.simulation_time, motion_(show.simulation_time - steered_head_.start),
+           simulation_);
     goOnWithWays(show.simulation_time);
-    simulation_.goOnAs(show.hair, show.simulation_time);
-    owed_ = 0;
+    simulation_.resumeFrom(show.hair, show.simulation_time);
+    time_accumulator_ = 0;
   } else {
     if (!is_new && resets != resets_) reset();
     keepTime(show.simulation_time);
@@ -362,7 +366,7 @@ void Daemon::goOnWith(const Show& show) {
   resets_ = resets;
   show_session_ = show.session;
   if (pull == nullptr) {
-    simulation_.letGo();
+    simulation_.releaseHair();
   } else {
     const auto& v = pull->values;
     std::copy_n(v.begin(), pulled_.size(), pulled_.begin());
@@ -370,18 +374,18 @@ void Daemon::goOnWith(const Show& show) {
     simulation_.pullHair(at(0), static_cast<float>(v[3]), at(4), static_cast<float>(v[7]));
     pull_until_ = v[8];
   }
-  tellParameters();
+  fillStatus();
 }
 
 void Daemon::keepTime(double time) {
   const double behind = behind_ = time - simulation_.time();
-  owed_ = paused_ ? behind : behind - 1 / settings_.rate;  // the frame that is under way adds that
+  time_accumulator_ = paused_ ? behind : behind - 1 / settings_.rate;  // the current frame adds one interval
   if (std::fabs(behind) <= kMostBehind) return;
-  // This machine is too slow, or it stood still: its hair goes on from where it is, at the show's time.
-  moveTo(skinned_.get(), time, motion_(time - course_.start), simulation_);
+  // This machine is too slow, or stood still: its hair continues from its present state at the show's time.
+  moveTo(skinned_.get(), time, motion_(time - steered_head_.start), simulation_);
   goOnWithWays(time);
-  simulation_.goOnAs(simulation_.state(), time);
-  owed_ = 0;
+  simulation_.resumeFrom(simulation_.state(), time);
+  time_accumulator_ = 0;
 }
 
 void Daemon::takeColliders(const Show& show) {
@@ -422,7 +426,7 @@ void Daemon::takeColliders(const Show& show) {
   for (const ShowEntry& entry : show.entries)
     if (isCollider(entry)) takeCollider(entry);
   changed = changed || simulation_.bodies() != before;
-  std::map<BodyId, Way> ways;
+  std::map<BodyId, PoseTween> ways;
   for (const ShowEntry& entry : show.entries) {
     const auto known = named_.find(entry.name);
     if (entry.kind != ShowKind::kColliderWay || known == named_.end()) continue;
@@ -453,9 +457,9 @@ void Daemon::takeCollider(const ShowEntry& entry) {
   command.id = newSession();
   command.name = entry.name;
   command.values = entry.values;
-  const std::string refusal = refusalOf([&] {
+  const std::string refusal = errorTextOf([&] {
     if (entry.kind == ShowKind::kSceneCollider)
-      throw Error("collider '" + name + "' of the scene is gone here", "the show", "");
+      throw Error("collider '" + name + "' of the scene was removed here", "the show", "");
     if (entry.kind == ShowKind::kColliderFile) {
       command.kind = CommandKind::kAddColliderFile;
       of_show_[command.id] = entry;
@@ -473,10 +477,9 @@ void Daemon::takeCollider(const ShowEntry& entry) {
 void Daemon::checkMesh(const ColliderMaker::Made& made) const {
   const auto shown = shown_hashes_.find(made.name);
   if (shown == shown_hashes_.end() || shown->second == 0 || shown->second == made.mesh_hash) return;
-  throw Error(
-      "the file here has another mesh than that of the daemon that casts", made.where,
-      "copy that daemon's file into this one's --collider-folder, then remove the collider and add it "
-      "again");
+  throw Error("the file's mesh differs from the publishing daemon's", made.where,
+              "copy the publishing daemon's file into this daemon's --collider-folder, then remove the "
+              "collider and add it again");
 }
 
 bool Daemon::hasMeshOf(const Show& show, const std::string& collider) const {
@@ -489,7 +492,7 @@ void Daemon::noteMade(const ShowEntry& entry, const std::string& refusal) {
   if (refusal.empty()) return;
   const auto shown = shown_hashes_.find(nameOf(entry));
   missing_[nameOf(entry)] = shown == shown_hashes_.end() ? 0 : shown->second;
-  spdlog::warn("this daemon lacks a collider of the show, and takes over only where no other one can: {}",
+  spdlog::warn("this daemon lacks a collider of the show, and takes over only if no other daemon can: {}",
                refusal);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kLongSide = 900;  // pixels
 
-/// Of a distance, m; `pixel` and `line` are metres too, the size of a pixel and the way between thin lines.
+/// Colour of a signed distance, m. `pixel`: size of a pixel, m. `line`: distance between thin lines, m.
 std::array<double, 3> colour(double distance, double pixel, double line, double band) {
   if (std::fabs(distance) < pixel) return {0, 0, 0};
   constexpr std::array<double, 3> kOutside{0.13, 0.40, 0.67}, kInside{0.70, 0.09, 0.17};
@@ -30,7 +30,7 @@ std::array<double, 3> colour(double distance, double pixel, double line, double 
 
 Image fieldSlice(const DistanceField& field, int axis, double part) {
   const FieldGrid& grid = field.grid;
-  // What goes right and up in the picture: seen from the front, from above and from the side.
+  // Axes to the right and upwards in the picture: views from the front, from above and from the side.
   const int right = axis == 0 ? 2 : 0, up = axis == 1 ? 2 : 1;
   std::array<double, 3> size{};
   for (int a = 0; a < 3; ++a) size[a] = double{grid.cell} * kBrickCells * grid.bricks[a];

@@ -3,15 +3,16 @@
 #include <vector>
 
 #include "core/distance_field.h"
-#include "render/image.h"
+#include "io/image.h"
 
 namespace strandcast {
 
-/// A slice through the field across `axis` (0 to 2) at `part` (0 to 1) of its grid: blue outside, red inside,
-/// paler towards the surface, which is a black line; a thin line every four cells near it.
+/// A slice through the field across `axis` (0 to 2) at the fraction `part` (0 to 1) of its grid. Blue is
+/// outside, red inside, both paler towards the surface, which is a black line. Near the surface a thin line
+/// marks every four cells.
 Image fieldSlice(const DistanceField& field, int axis, double part);
 
-/// Writes three slices per axis (x_25.png, x_50.png, ...) into the folder, which is made. Returns their
+/// Writes three slices per axis (x_25.png, x_50.png, ...) into the folder, which it creates. Returns their
 /// paths.
 std::vector<std::filesystem::path> writeFieldSlices(const DistanceField& field,
                                                     const std::filesystem::path& folder);

@@ -10,8 +10,9 @@
 namespace strandcast {
 namespace {
 
-constexpr double kSameTime = 1e-5;  // s, in which nothing moves visibly
-constexpr double kPause = 1;        // s in which a daemon sends one moment until it is said to be paused
+constexpr double kSameTime = 1e-5;  // s, tolerance on a frame's time; nothing moves visibly within it
+constexpr double kPause = 1;        // s for which the simulation time stands still before the daemon counts
+                                    // as paused
 
 std::shared_ptr<const GuideFrame> between(const GuideFrame& a, const GuideFrame& b, double time) {
   auto mixed = std::make_shared<GuideFrame>();
@@ -60,24 +61,23 @@ bool FrameCapture::keep(CapturedFrame frame) {
 void FrameCapture::run() {
   Subscriber& subscriber = stream_.subscriber();
   std::shared_ptr<const GuideFrame> last;
-  int captured = 0, due = 0;  // pictures, the latter since `start`
+  int captured = 0, due = 0;  // pictures; `due` counts from `start`
   double start = -1;          // s of simulation time
   auto moved = std::chrono::steady_clock::now();
   bool stands = false, told = false;
   while (captured < plan_.frames && !stop_ && !g_interrupted) {
-    const bool has_ended = stream_.hasEnded();  // before the look for its last frames
+    const bool has_ended = stream_.hasEnded();  // read before the wait, so that the last frames are not lost
     const auto frame = subscriber.waitForNext(last.get(), std::chrono::milliseconds(100));
     const auto now = std::chrono::steady_clock::now();
     const bool is_other = frame && last && last->session != frame->session;  // another daemon took over
-    // A daemon that is paused sends the same moment again and again.
+    // A paused daemon repeats the same simulation time.
     if (frame) stands = last && !is_other && last->simulation_time == frame->simulation_time;
     if (frame && !stands) moved = now;
     const double still = std::chrono::duration<double>(now - moved).count();
     if (still > kPause && stands && !std::exchange(told, true))
-      spdlog::warn("the daemon is paused at {:g} s: `strandcast ctl go` lets it go on",
-                   last->simulation_time);
+      spdlog::warn("the daemon is paused at {:g} s: `strandcast ctl go` resumes it", last->simulation_time);
     if (still > plan_.timeout) {
-      is_paused_ = stands && subscriber.status().has_value();  // it may have gone since
+      is_paused_ = stands && subscriber.status().has_value();  // the daemon may have ended since
       const StreamScene scene = StreamScene::of(subscriber);
       if (is_paused_ && captured == 0 && scene.fits(*last)) keep({last, scene});
       break;
@@ -89,7 +89,7 @@ void FrameCapture::run() {
     const auto before = std::exchange(last, frame);
     if (is_other) start = -1;
     const StreamScene scene = StreamScene::of(subscriber);
-    if (!scene.fits(*frame)) continue;  // its body is still to come
+    if (!scene.fits(*frame)) continue;  // its body has not arrived yet
     if (start < 0) {
       start = frame->simulation_time + plan_.skip;
       due = 0;
@@ -102,7 +102,7 @@ void FrameCapture::run() {
       if (keep({is_between ? between(*before, *frame, time) : frame, scene})) {
         ++captured;
       } else if (passed_over_++ == 0) {
-        spdlog::warn("drawing is slower than the stream, and {} MiB of frames wait: some are passed over",
+        spdlog::warn("drawing is slower than the stream, and {} MiB of frames wait: some are skipped",
                      plan_.room >> 20);
       }
     }

@@ -11,38 +11,38 @@
 
 namespace strandcast {
 
-/// A frame, and what it is drawn with, which another daemon may have replaced since.
+/// A frame with the groom and body it is drawn with, which another daemon may have replaced since.
 struct CapturedFrame {
   std::shared_ptr<const GuideFrame> frame;
   StreamScene scene;
 };
 
-/// Picks frames off the stream in its own thread, evenly in simulation time, between two of them where none
-/// is due at its time, and keeps them until they are drawn, so that drawing as slowly as it likes loses none
-/// while there is room for those that wait.
+/// Picks frames off the stream in its own thread, evenly spaced in simulation time, interpolating between two
+/// frames where none is due. Frames wait in a bounded queue, so slow drawing loses none while the queue has
+/// space.
 class FrameCapture {
  public:
   struct Plan {
-    int frames;                     ///< to pick
+    int frames;                     ///< number of frames to pick
     double fps;                     ///< 1/s of simulation time
-    double skip;                    ///< s of it before the first
-    double timeout;                 ///< s without a new moment until it ends
-    size_t room = size_t{1} << 30;  ///< bytes of guides that may wait
+    double skip;                    ///< s of simulation time before the first
+    double timeout;                 ///< s without progress of simulation time until the capture ends
+    size_t room = size_t{1} << 30;  ///< bytes of guides that may be queued
   };
   FrameCapture(Stream& stream, const Plan& plan);
   ~FrameCapture();
 
-  /// The next frame to draw; nothing when there will be no more, or at Ctrl-C. Throws Error as
-  /// Stream::checkAlive().
+  /// Waits for the next frame to draw; empty at the end or on Ctrl-C. Throws Error as Stream::checkAlive().
   std::optional<CapturedFrame> next();
-  /// Whether it ended because the daemon is paused. The moment that this has is picked, also before `skip`.
+  /// Whether the capture ended because the daemon is paused. The frame of that moment is then captured, even
+  /// before `skip`.
   bool isPaused() const { return is_paused_; }
-  /// How many were due while there was no room.
+  /// Number of frames dropped because the queue was full.
   int passedOver() const { return passed_over_; }
 
  private:
   void run();
-  /// Whether there was room for it.
+  /// Queues the frame; false where the queue is full.
   bool keep(CapturedFrame frame);
 
   Stream& stream_;

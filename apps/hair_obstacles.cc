@@ -13,10 +13,9 @@
 namespace strandcast {
 namespace {
 
-constexpr float kCell =
-    0.003f;  // m; grown hair may be seen through a body's edge by no more than a tenth of it
+constexpr float kCell = 0.003f;  // m; grown hair may show through a body's edge by at most a tenth of it
 
-/// The triangles whose corners belong to the head, or those whose do not.
+/// The triangles whose corners belong to the head, or those whose corners do not.
 TriangleMesh partOf(const BodyDescription& body, bool head) {
   TriangleMesh part = body.mesh;
   const bool weighted = body.head_weights.size() == body.mesh.positions.size();
@@ -30,7 +29,7 @@ TriangleMesh partOf(const BodyDescription& body, bool head) {
 
 std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
   std::vector<HairObstacle> obstacles;
-  const FieldCache cache(fieldCacheAloud());
+  const FieldCache cache(fieldCacheWithProgress());
   for (const bool head : {true, false}) {
     const TriangleMesh part = partOf(body, head);
     if (part.triangles.empty()) continue;
@@ -44,13 +43,13 @@ std::vector<HairObstacle> bakedObstacles(const BodyDescription& body) {
         bar.show("body: " + what, done);
         return !g_interrupted;
       };
-      const char* name = head ? "the head" : "what stands";
+      const char* name = head ? "the head" : "the standing bodies";
       SceneField baked = fieldOf(part, options, cache, progress, bakesOf(announceBakes(bar), name));
       for (const std::string& warning : baked.warnings) spdlog::warn("{}: {}", name, warning);
       shape.field = std::make_shared<DistanceField>(std::move(baked.field));
       obstacles.push_back({std::move(shape), head, kNoCollider, Pose{}});
     } catch (const Error& error) {
-      spdlog::warn("grown hair is not kept out of a part of the body: {}", error.what());
+      spdlog::warn("grown hair may enter a part of the body: {}", error.what());
     }
   }
   return obstacles;

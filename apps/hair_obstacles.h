@@ -6,11 +6,11 @@
 
 namespace strandcast {
 
-/// What a renderer keeps grown hair out of: `colliders`, what the daemon's guides collide with. Where there
-/// are none (null or empty: a recording, say), or one came without its field, the distance field of the
-/// published body, in one part that follows the head and one that stays; it is baked with a progress bar and
-/// kept in the user's cache. Nothing, with a warning, for a body that no field can be baked of. Ctrl-C stops
-/// it: BakeStopped.
+/// The obstacles that a renderer keeps grown hair out of. They are `colliders`, the bodies that the daemon's
+/// guides collide with. Where there are none (null or empty, as for a recording), or one lacks its field, the
+/// published body replaces or completes them. It is baked as distance fields of two parts: one follows the
+/// head, one stays. The bake shows a progress bar and uses the user's cache. Empty, with a warning, for a
+/// body that no field can be baked of. Ctrl-C stops it: throws BakeStopped.
 std::vector<HairObstacle> hairObstacles(const ColliderSet* colliders, const BodyDescription& body);
 
 }  // namespace strandcast

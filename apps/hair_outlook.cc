@@ -10,14 +10,14 @@
 
 #include "core/sag_free.h"
 #include "groom/clean.h"
-#include "groom/file_bytes.h"
 #include "groom/procedural_groom.h"
+#include "io/file_bytes.h"
 #include "scenes/field_cache.h"
 
 namespace strandcast {
 namespace {
 
-constexpr size_t kSample = 192;         // strands that are made to see how long all take
+constexpr size_t kSample = 192;         // strands timed to estimate the whole
 constexpr size_t kWorthASample = 4000;  // strands; fewer take less than a second
 
 template <class Work>
@@ -27,7 +27,7 @@ double secondsOf(const Work& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Evenly among all.
+/// Indices of kSample strands, evenly spaced.
 std::vector<uint32_t> sampleOf(size_t strands) {
   std::vector<uint32_t> sample;
   for (size_t i = 0; i < kSample; ++i) sample.push_back(static_cast<uint32_t>(i * strands / kSample));
@@ -50,7 +50,7 @@ std::string HairOutlook::text() const {
 HairOutlook outlookOfGroom(const SceneOptions& options) {
   HairOutlook out;
   if (!options.groom.empty()) {
-    // Of one core of 2020: readers go over a binary file once, texts are parsed word by word.
+    // bytes/s of one core of 2020: binary files are read in one pass, texts are parsed word by word.
     constexpr double kBinaryPerSecond = 300e6, kTextPerSecond = 30e6;
     for (const std::filesystem::path& file : options.groom) {
       std::error_code absent;
@@ -60,7 +60,7 @@ HairOutlook outlookOfGroom(const SceneOptions& options) {
       const bool is_text = extension == ".obj" || extension == ".usda";
       out.file_bytes += bytes;
       out.seconds += static_cast<double>(bytes) / (is_text ? kTextPerSecond : kBinaryPerSecond);
-      out.bytes += bytes;  // the file is in memory while it is read
+      out.bytes += bytes;  // the whole file is in memory while it is read
     }
     return out;
   }

@@ -6,11 +6,11 @@
 
 namespace strandcast {
 
-/// What hair takes before it moves: time, and memory of this machine while it is simulated. Both are told
-/// where the time is a second or more, or the memory kMemoryWorthSaying.
+/// Estimated time and memory of this machine to prepare and simulate hair. Worth logging where the time is a
+/// second or more, or the memory is at least kMemoryWorthSaying.
 struct HairOutlook {
-  size_t strands = 0, vertices = 0;  ///< 0 where that is not known yet
-  size_t file_bytes = 0;             ///< of groom files that are to be read
+  size_t strands = 0, vertices = 0;  ///< 0 = unknown
+  size_t file_bytes = 0;             ///< of groom files to read
   double seconds = 0;
   size_t bytes = 0;
 
@@ -19,15 +19,15 @@ struct HairOutlook {
   std::string text() const;
 };
 constexpr size_t kMemoryWorthSaying = size_t{256} << 20;
-/// In main memory, of a vertex: groom, model, state on a backend and frames. Measured with 120,000 strands of
-/// 28 vertices on the simd backend.
+/// Main memory per vertex, bytes: groom, model, backend state and frames. Measured with 120,000 strands of 28
+/// vertices on the simd backend.
 constexpr size_t kBytesPerVertex = 250;
 
-/// Of making the scene's hair: a few strands are grown to see how long they take; of files it is their size
-/// that tells, roughly.
+/// Estimates making the scene's hair. Procedural hair: times a sample of kSample strands. Files: a rough
+/// estimate from their size.
 HairOutlook outlookOfGroom(const SceneOptions& options);
-/// Of making the model of this scene, sag-free where the settings say so: a few strands are made to see how
-/// long they take.
+/// Estimates making the model of this scene, sag-free where the settings ask for it, from a sample of kSample
+/// strands.
 HairOutlook outlookOfModel(const Scene& scene, const Settings& settings);
 
 }  // namespace strandcast

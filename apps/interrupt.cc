@@ -10,7 +10,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers may only 
 void catchInterrupts() {
   struct sigaction action {};
   action.sa_handler = [](int) { g_interrupted = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends a program that hangs
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C kills a program that hangs
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

@@ -3,8 +3,9 @@
 
 namespace strandcast {
 
-/// SIGINT and SIGTERM set this instead of killing the program; loops look at it and end cleanly.
+/// Set by SIGINT and SIGTERM instead of ending the process; loops poll it and end cleanly.
 extern std::atomic<bool> g_interrupted;
+/// Installs the signal handlers.
 void catchInterrupts();
 
 }  // namespace strandcast

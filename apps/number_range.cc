@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "groom/text_number.h"
+#include "io/text_number.h"
 
 namespace strandcast {
 namespace {

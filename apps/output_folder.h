@@ -4,8 +4,8 @@
 
 namespace strandcast {
 
-/// A folder for what a program writes, made where it is not there. When nothing was put into one that was
-/// made, it goes again.
+/// Creates a folder for output where it does not exist. The destructor removes a created folder that is still
+/// empty.
 class OutputFolder {
  public:
   /// Throws Error.

@@ -6,16 +6,16 @@
 
 namespace strandcast {
 
-/// What a command line says of a picture, in its order. Settings of lights are of the light that was named
-/// last: the first "light" is the kind of the first light, which is then the only one, and each one after it
-/// adds another. They win over a preset wherever it stands.
+/// Applies a command line's picture options in their order. Options of lights apply to the light named last.
+/// The first "light" sets the kind of the first light, which is then the only one; each further one adds a
+/// light. Options of lights override a preset regardless of their order.
 class PictureArguments {
  public:
   explicit PictureArguments(PictureOptions& options) : options_(options), lights_(options.settings.lights) {}
 
-  /// Error on values out of range and on too many lights.
+  /// Throws Error on values out of range and on too many lights.
   void set(const PictureSetting& setting, const std::vector<double>& values);
-  /// Error where the file cannot be read.
+  /// Throws Error where the file cannot be read.
   void readPreset(const std::string& file);
 
  private:
@@ -26,8 +26,8 @@ class PictureArguments {
     std::vector<double> values;
   };
   PictureOptions& options_;
-  std::vector<Light> lights_;  // but for what was given
-  std::vector<Given> given_;   // of lights
+  std::vector<Light> lights_;  // before the options of lights
+  std::vector<Given> given_;   // options of lights
 };
 
 }  // namespace strandcast

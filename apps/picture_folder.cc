@@ -21,23 +21,23 @@
 
 #include "apps/interrupt.h"
 #include "core/error.h"
-#include "groom/file_bytes.h"
+#include "io/file_bytes.h"
 
 namespace strandcast {
 namespace {
 
-/// yuv420p has a colour for two by two pixels.
+/// yuv420p stores one colour per 2 x 2 pixels, so sides must be even.
 constexpr const char* kEvenSides = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
 
-/// Beside what it will be, so that a film that fails takes the place of none.
+/// A temporary file beside the film, so that a failed run does not replace an existing film.
 std::filesystem::path partOf(const std::filesystem::path& movie) {
   std::filesystem::path part = movie;
   part.replace_filename(movie.stem().string() + ".part" + movie.extension().string());
   return part;
 }
 
-/// Of the first so many pictures of `folder` into `film`. Its exit status; nothing where it cannot be
-/// started. `quiet`: without what it says of its own.
+/// Encodes the first `pictures` pictures of `folder` into `film`. Returns ffmpeg's exit status; empty where
+/// it cannot be started. `quiet`: discards ffmpeg's output.
 std::optional<int> runFfmpeg(const std::filesystem::path& folder, int pictures, double fps,
                              const std::filesystem::path& film, bool quiet) {
   std::string pattern;
@@ -70,13 +70,13 @@ std::optional<int> runFfmpeg(const std::filesystem::path& folder, int pictures, 
   return status;
 }
 
-/// A folder for a while.
+/// A temporary folder, removed by the destructor.
 class ScratchPictures {
  public:
   ScratchPictures() {
     std::string name = (std::filesystem::temp_directory_path() / "strandcast_XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr)
-      throw Error("no folder can be made for a trial of ffmpeg", name, std::strerror(errno));
+      throw Error("the folder for a test of ffmpeg cannot be made", name, std::strerror(errno));
     folder_ = name;
   }
   ~ScratchPictures() {
@@ -131,7 +131,8 @@ void PictureFolder::write(const Image& picture) {
 void checkMovie(const std::filesystem::path& movie) {
   if (movie.empty()) throw Error("the film has no name", "--movie ''", "name a file, e.g. --movie hair.mp4");
   if (movie.extension().empty())
-    throw Error("the film has no extension", movie.string(), "it says the format, e.g. hair.mp4");
+    throw Error("the film has no extension", movie.string(),
+                "the extension selects the format, e.g. hair.mp4");
   checkWritable(movie);
   const ScratchPictures scratch;
   Image picture;
@@ -143,7 +144,7 @@ void checkMovie(const std::filesystem::path& movie) {
   if (!status)
     throw Error("ffmpeg is not installed", "--movie " + movie.string(), "install it, or leave out --movie");
   if (*status != 0)
-    throw Error("ffmpeg makes no film of this kind", "--movie " + movie.string(),
+    throw Error("ffmpeg does not write this format", "--movie " + movie.string(),
                 "choose another extension, e.g. .mp4");
 }
 

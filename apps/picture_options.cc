@@ -28,7 +28,7 @@ std::string defaultOf(const PictureSetting& setting, const PictureOptions& optio
                                  : setting.choices[static_cast<size_t>(values[0])];
 }
 
-/// Errors as CLI11 has them.
+/// Runs `act` and converts its Error into CLI11's.
 template <class Act>
 void asOption(const Act& act) {
   try {
@@ -72,18 +72,18 @@ void addChoice(CLI::Option_group& group, const PictureSetting& setting, const Pi
 
 void addPictureOptions(CLI::App& app, PictureOptions& options) {
   const std::map<std::string, std::string> kGroups{
-      {"Picture", "how it looks"},
-      {"Camera", "from where"},
-      {"Growth", "how the full head of hair follows the guides"},
-      {"Light", fmt::format("what shines on it: each --light after the first adds one, to {} in all, and the "
-                            "options behind it are its",
+      {"Picture", "size, sampling, level of detail and colours"},
+      {"Camera", "direction and distance of the view"},
+      {"Growth", "hairs grown from the guides"},
+      {"Light", fmt::format("lights: each --light after the first adds one, {} at most; the options after a "
+                            "--light apply to it",
                             kMostLights)},
-      {"Shadow", "deep opacity maps of the hair beside a depth map of the body"},
-      {"Marks", "what there is to look for"}};
+      {"Shadow", "deep opacity maps of the hair and a depth map of the body"},
+      {"Marks", "overlays for debugging"}};
   const auto arguments = std::make_shared<PictureArguments>(options);
   app.add_option_function<std::string>(
          "--preset", [arguments](const std::string& file) { asOption([&] { arguments->readPreset(file); }); },
-         "TOML file as the viewer saves it, whose table [picture] counts; options win over it")
+         "TOML file as the viewer saves it, of which the table [picture] is read; options override it")
       ->trigger_on_parse()
       ->type_name("FILE");
   CLI::Option_group* group = nullptr;
@@ -108,7 +108,7 @@ Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float
   Box hair;
   if (!box.isEmpty()) hair = Box(box.min() - beside, box.max() + beside);
   if (body.mesh.empty()) return hair;
-  // The head stays in the picture under short hair, a whole figure does not shrink the hair to a dot.
+  // The box includes the head under short hair, but not a whole figure, which would shrink the hair to a dot.
   Box around(box.min() - box.sizes() * 0.35f, box.max() + box.sizes() * 0.35f);
   return hair.merged(around.intersection(body.mesh.bounds()));
 }
@@ -121,7 +121,7 @@ void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescr
 
 namespace {
 
-/// Parts of a skinned body, which is drawn where they are.
+/// Whether colliders are parts of a skinned body, which the renderer draws at the colliders' poses.
 bool carryTheBody(const ColliderSet* colliders) {
   if (colliders == nullptr) return false;
   for (const Collider& collider : colliders->colliders)

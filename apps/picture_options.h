@@ -8,21 +8,21 @@ class App;
 
 namespace strandcast {
 
-/// Every setting of pictures as an option, with help, and --preset.
+/// Adds every picture setting as an option with help, and --preset.
 void addPictureOptions(CLI::App& app, PictureOptions& options);
 
-/// The box that pictures frame: of the hair, `hair_reach` metres to all sides of its guides, and of the body
-/// around it.
+/// The box that pictures frame: the guides' bounds grown by `hair_reach` metres on all sides, and the body
+/// around them.
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float hair_reach = 0);
-/// Tells the renderer what it draws; it has no obstacles then.
+/// Passes groom and body to the renderer and clears its obstacles.
 void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body);
-/// Whether a picture is other with obstacles than without: hair is kept out of them, is marked in them, or
-/// they carry a skinned body.
+/// Whether obstacles change the picture: hair is kept out of them, is marked in them, or they carry a skinned
+/// body.
 bool needsObstacles(const PictureOptions& options, const ColliderSet* colliders);
-/// Gives the renderer those that the picture needs, or none.
+/// Passes the obstacles that the picture needs to the renderer; none where it needs none.
 void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,
                   const BodyDescription& body);
-/// Looks at `box` from where the options say.
+/// The camera that looks at `box` as the options say.
 Camera pictureCamera(const PictureOptions& options, const Box& box);
 
 }  // namespace strandcast

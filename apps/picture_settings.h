@@ -10,48 +10,49 @@
 
 namespace strandcast {
 
-/// What `render`, `compare` and `view` have in common: how the picture looks and from where.
+/// Picture settings shared by `render`, `compare` and `view`: appearance and camera.
 struct PictureOptions {
-  RenderSettings settings;             ///< with one light or more
-  size_t light = 0;                    ///< the one that settings of lights are of
+  RenderSettings settings;             ///< with at least one light
+  size_t light = 0;                    ///< index of the light that settings of lights apply to
   double azimuth = 25, elevation = 5;  ///< degrees, see orbit()
   double zoom = 1;
   std::filesystem::path density_map, thickness_map, importance_map;  ///< empty = none
   std::filesystem::path curl_example;                                ///< a groom file; empty = none
-  size_t curl_strand = 0;                                            ///< of it
+  size_t curl_strand = 0;                                            ///< index in curl_example
 
-  /// Settings that options gave, not presets, by name ("light-cone"); of lights the light's number too.
+  /// Settings given by options, not by presets: name ("light-cone") and, for settings of lights, the light's
+  /// index.
   std::vector<std::pair<std::string, size_t>> given;
 };
 
-/// One setting of a picture, as options, presets and the viewer's panel know it. Its values are numbers, or
-/// the index of a choice, or a file.
+/// One picture setting, as options, presets and the viewer's panel use it. Its values are numbers, the index
+/// of a choice, or a file.
 struct PictureSetting {
-  ParameterInfo info;  ///< "hair-width" is the option --hair-width; of a file only name and help count
+  ParameterInfo info;  ///< "hair-width" is the option --hair-width; for a file only name and help are used
   std::string group;
   std::vector<std::string> choices{};  ///< names of the values 0, 1, ...
   std::function<std::vector<double>(const PictureOptions&)> get{};
-  std::function<void(PictureOptions&, const std::vector<double>&)> set{};  ///< unchecked
+  std::function<void(PictureOptions&, const std::vector<double>&)> set{};  ///< does not check the values
   std::filesystem::path PictureOptions::*file = nullptr;
-  bool of_light = false;  ///< "light" is its kind, others have "light-" in front
-  bool is_way = false;    ///< of any length but 0
+  bool of_light = false;  ///< "light" is its kind, others start with "light-"
+  bool is_way = false;    ///< a direction of any length but 0
 };
-/// Settings of a group follow each other.
+/// All settings; those of a group are contiguous.
 const std::vector<PictureSetting>& pictureSettings();
-/// Error, naming `where`, on an unknown name, with the nearest known one.
+/// Finds a setting. Throws Error, naming `where`, on an unknown name, with the nearest known one.
 const PictureSetting& pictureSetting(const std::string& name, const std::string& where);
 
-/// Error, naming `where`, on a wrong number of values or one out of range.
+/// Throws Error, naming `where`, on a wrong number of values or a value out of range.
 void setPicture(PictureOptions& options, const PictureSetting& setting, const std::vector<double>& values,
                 const std::string& where);
-/// The index of a choice as numbers have it. Error, naming `where`, on an unknown one.
+/// The index of a named choice as a value. Throws Error, naming `where`, on an unknown one.
 std::vector<double> choiceNamed(const PictureSetting& setting, const std::string& choice,
                                 const std::string& where);
 
-/// Adds a light as lights are by default and turns to it. Error, naming `where`, beyond kMostLights.
+/// Adds a default light and selects it. Throws Error, naming `where`, beyond kMostLights.
 void addLight(PictureOptions& options, const std::string& where);
 
-/// The settings with the maps that the options name. Throws Error where one cannot be read.
+/// The settings with the maps that the options name loaded. Throws Error where one cannot be read.
 RenderSettings renderSettings(const PictureOptions& options);
 
 }  // namespace strandcast

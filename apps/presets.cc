@@ -9,12 +9,12 @@
 #include "apps/settings.h"
 #include "apps/toml.h"
 #include "core/error.h"
-#include "groom/file_bytes.h"
+#include "io/file_bytes.h"
 
 namespace strandcast {
 namespace {
 
-/// Short, and the same float when it is read; whole numbers all the same.
+/// The shortest text that reads back as the same float; whole numbers exactly.
 std::string numberText(double value) {
   const bool whole = value == std::floor(value) && std::fabs(value) <= 1e15;
   return whole ? fmt::format("{:.0f}", value) : fmt::format("{:.9g}", value);
@@ -27,7 +27,7 @@ std::string numbersText(const std::vector<double>& values) {
   return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
-/// As a TOML string with escapes.
+/// A quoted TOML string with escapes.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -76,13 +76,13 @@ std::vector<RenderPass> passesOf(const toml::node& node, const std::string& wher
     const std::vector<RenderPass> all = allPasses();
     const auto known =
         std::find_if(all.begin(), all.end(), [&](RenderPass pass) { return nameOf(pass) == name; });
-    if (known == all.end()) throw Error("there is no pass '" + name + "'", where, "");
+    if (known == all.end()) throw Error("unknown pass '" + name + "'", where, "");
     passes.push_back(*known);
   }
   return passes;
 }
 
-/// As the table of a light has it.
+/// The setting's key in the table of a light.
 std::string lightKey(const PictureSetting& setting) {
   return setting.info.name == "light" ? "kind" : setting.info.name.substr(std::string("light-").size());
 }
@@ -112,7 +112,7 @@ void readPicture(const toml::table& table, const std::string& file, bool has_lig
     }
     const PictureSetting& setting = pictureSetting(name, where);
     if (setting.of_light) {
-      if (has_lights) throw Error("lights are given twice", where, "say it in a table [[light]]");
+      if (has_lights) throw Error("lights are given twice", where, "give them in [[light]] tables only");
       picture.settings.lights.resize(1);
       picture.light = 0;
     }
@@ -123,7 +123,7 @@ void readPicture(const toml::table& table, const std::string& file, bool has_lig
 void readLights(const toml::node& node, const std::string& file, PictureOptions& picture) {
   const toml::array* array = node.as_array();
   if (array == nullptr || array->empty() || !array->is_homogeneous(toml::node_type::table))
-    throw Error("'light' is no list of lights", placeOf(node, file), "give a table [[light]] for each");
+    throw Error("'light' is not a list of lights", placeOf(node, file), "give a table [[light]] for each");
   picture.settings.lights.clear();
   for (const toml::node& one : *array) {
     addLight(picture, placeOf(one, file));

@@ -3,8 +3,8 @@
 
 namespace strandcast {
 
-/// Processor time taken so far, s, in user and kernel: by RUSAGE_SELF, all threads of this program, or by
-/// RUSAGE_THREAD, the one that asks.
+/// Processor time used so far, s, user and kernel. `whose`: RUSAGE_SELF, all threads of this process, or
+/// RUSAGE_THREAD, the calling thread.
 inline double processorSeconds(int whose) {
   rusage used{};
   getrusage(whose, &used);

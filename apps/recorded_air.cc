@@ -39,9 +39,9 @@ AirGrids gridsOf(const AirFields& fields) {
 SimulationObserver gridRecorder(RecordingPublisher& to, uint32_t every) {
   return [&to, every, frame = uint64_t{0}](Simulation& simulation) mutable {
     if (frame++ % every != 0) return;
-    const Surroundings* surroundings = simulation.surroundings();
-    if (surroundings == nullptr || !surroundings->isNeeded(simulation.parameters())) return;
-    const AirFields* fields = airFields(surroundings);
+    const ExternalForces* air_system = simulation.externalForces();
+    if (air_system == nullptr || !air_system->isNeeded(simulation.parameters())) return;
+    const AirFields* fields = airFields(air_system);
     if (fields != nullptr && (fields->hasDensity() || fields->hasWind())) to.addGrids(gridsOf(*fields));
   };
 }
@@ -49,8 +49,8 @@ SimulationObserver gridRecorder(RecordingPublisher& to, uint32_t every) {
 void warnWithoutGrids(const Recorder& recorder) {
   if (recorder.gridFrames() == 0)
     spdlog::warn(
-        "no grids were recorded: nothing was on one. --set volume_stiffness=1 puts hair there, --set "
-        "wind_grid=1 air");
+        "no grids were recorded: the simulation has none; --set volume_stiffness=1 adds a hair grid, --set "
+        "wind_grid=1 a wind grid");
 }
 
 Box RecordedAir::box() const {

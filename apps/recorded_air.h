@@ -7,21 +7,21 @@
 
 namespace strandcast {
 
-/// What there is now in the middle of each cell: of a grid of air, or of hair alone.
+/// Samples the fields at the middle of each cell: air and hair, or hair alone where there is no wind grid.
 AirGrids gridsOf(const AirFields& fields);
 
-/// Records the grids of every `every`th frame (from 1), the first one too, where settings put air or hair on
-/// a grid. `to` outlives it.
+/// An observer that records the grids of every `every`th frame (from 1), beginning with the first, where the
+/// settings need a grid. `to` must outlive it.
 SimulationObserver gridRecorder(RecordingPublisher& to, uint32_t every);
 
-/// Says so where grids were asked for and none came.
+/// Warns where no grids were recorded.
 void warnWithoutGrids(const Recorder& recorder);
 
-/// Recorded grids, to be looked at as those of a simulation are: wind is interpolated between the middles of
-/// cells, everything else is a cell's.
+/// Recorded grids with the interface of a simulation's. Wind is interpolated between the middles of cells;
+/// other values are constant within a cell.
 class RecordedAir final : public AirFields {
  public:
-  /// Sound ones, which outlive it.
+  /// `grids` must be valid and must outlive this.
   explicit RecordedAir(const AirGrids& grids) : grids_(grids) {}
   bool hasDensity() const override { return !grids_.of(GridValue::kDensity).empty(); }
   bool hasWind() const override { return !grids_.of(GridValue::kWindX).empty(); }

@@ -25,7 +25,7 @@ StrandSet guidesOf(const std::string& name, int strands) {
   return makeScene(options).groom.strands;
 }
 
-/// Largest distance from the reference over the length of the guide, and of tangents.
+/// Largest distance from the reference over the length of the guide, and largest difference of tangents.
 struct GrowthError {
   double position = 0, tangent = 0;
 };
@@ -53,7 +53,7 @@ std::vector<std::string> growthNames() {
 }
 
 std::vector<Case> growthCases(const Laboratory& laboratory) {
-  constexpr int kSegments = 100;  // more than the tessellator has a patch
+  constexpr int kSegments = 100;  // more segments than the tessellator has per patch
   gl::HeadlessContext context;
   std::vector<Case> cases;
   for (const std::string& scene : kGrowthScenes) {
@@ -78,7 +78,7 @@ std::vector<Case> growthCases(const Laboratory& laboratory) {
                   pass.hairs(), growth, reference);
       cases.push_back(
           absoluteCase({fmt::format("growth: {}, {}", scene, tessellator ? "tessellator" : "compute"),
-                        "worst distance from double precision, of the length", ""},
+                        "worst distance from double precision, over the length", ""},
                        error.position, 0, 1e-5));
       cases.back().note = fmt::format("{} hairs of {} segments on {}; tangents within {:.1e}",
                                       pass.hairs().size(), kSegments, context.renderer(), error.tangent);
@@ -87,8 +87,8 @@ std::vector<Case> growthCases(const Laboratory& laboratory) {
   return cases;
 }
 
-/// Mean error of the transmittance: at every piece of hair, and at those that at least half of the light
-/// reaches, where it is seen.
+/// Mean error of the transmittance: over all fragments, and over those that at least half of the light
+/// reaches, where errors are visible.
 struct ShadowError {
   double sum = 0, lit_sum = 0;
   size_t count = 0, lit = 0;
@@ -105,7 +105,7 @@ struct ShadowError {
   double seen() const { return lit_sum / static_cast<double>(lit); }
 };
 
-/// Fragments of hair by texel, nearest to the light first, and the optical depth before each.
+/// Fragments of hair sorted by texel and distance from the light, with the optical depth before each.
 class ExactShadow {
  public:
   ExactShadow(std::vector<LightFragment> fragments, int map_size)
@@ -123,11 +123,11 @@ class ExactShadow {
   const std::vector<LightFragment>& fragments() const { return fragments_; }
   double before(size_t i) const { return before_[i]; }
 
-  /// Mean error of the transmittance at every fragment of an opacity shadow map (Kim and Neumann 2001) of so
-  /// many slices between the nearest and the farthest hair, linear between them.
+  /// Mean error of the transmittance over all fragments of an opacity shadow map (Kim and Neumann 2001). It
+  /// has `slices` slices between the nearest and the farthest hair, with linear interpolation between them.
   ShadowError opacityShadowMapError(int slices) const {
     const double thick = (far_ - near_) / slices;
-    std::vector<double> up_to(static_cast<size_t>(slices) + 1);  // each slice's plane
+    std::vector<double> up_to(static_cast<size_t>(slices) + 1);  // optical depth up to each slice's plane
     ShadowError error;
     for (size_t first = 0, end = 0; first < fragments_.size(); first = end) {
       for (end = first; end < fragments_.size() && texel(fragments_[end]) == texel(fragments_[first]);) ++end;
@@ -177,18 +177,18 @@ const std::vector<std::string> kShadowNames{"shadow: 3 layers",
                                             "shadow: 15 layers, lit hair",
                                             "shadow: 7 layers, lamp"};
 
-/// The same in the perspective of a lamp, which must beat as many slices.
+/// The error under a lamp's perspective projection; the limit is an opacity shadow map of as many slices.
 Case lampCase(const RenderSettings& settings, OpacityLayers layers) {
   LightProbe probe(guidesOf("curly", 600), settings);
   const ExactShadow exact(probe.fragments(layers.map_size), layers.map_size);
   layers.layers = 7;
   return absoluteCase(
-      {kShadowNames[5], "the same in the perspective of a lamp at the head, at every piece of hair", ""},
+      {kShadowNames[5], "the same under a point light at the head, at every hair segment", ""},
       errorOf(probe, layers, exact).all(), 0, exact.opacityShadowMapError(7).all());
 }
 
-/// Each number of layers has the error of what it must beat for its limit: of as many slices, of fewer
-/// layers, and where light reaches of 16 slices.
+/// The limit of each number of layers is the error of what it must beat. 3 layers: opacity shadow maps of 3
+/// slices; more layers: the next fewer layers. Lit hair: opacity shadow maps of 16 slices.
 std::vector<Case> shadowCases(const Laboratory& laboratory) {
   gl::HeadlessContext context;
   RenderSettings settings;
@@ -196,7 +196,7 @@ std::vector<Case> shadowCases(const Laboratory& laboratory) {
   settings.hair_width = 2e-4f;
   LightProbe probe(guidesOf("curly", 600), settings);
   OpacityLayers layers;
-  layers.map_size = 256;  // many hairs in a texel
+  layers.map_size = 256;  // many hairs per texel
   const ExactShadow exact(probe.fragments(layers.map_size), layers.map_size);
   const ShadowError few = exact.opacityShadowMapError(3), some = exact.opacityShadowMapError(16),
                     many = exact.opacityShadowMapError(128);
@@ -207,13 +207,13 @@ std::vector<Case> shadowCases(const Laboratory& laboratory) {
     layers.layers = count;
     const ShadowError error = errorOf(probe, layers, exact);
     cases.push_back(absoluteCase(
-        {kShadowNames[cases.size()], "mean error of the transmittance at every piece of hair", ""},
+        {kShadowNames[cases.size()], "mean error of the transmittance at every hair segment", ""},
         error.all(), 0, beaten));
     beaten = error.all();
     if (count > 3)
-      lit.push_back(
-          absoluteCase({kShadowNames[2 + cases.size() - 1], "the same where half of the light arrives", ""},
-                       error.seen(), 0, some.seen()));
+      lit.push_back(absoluteCase({kShadowNames[2 + cases.size() - 1],
+                                  "the same at hair segments with a transmittance of 0.5 or more", ""},
+                                 error.seen(), 0, some.seen()));
   }
   cases[0].note = fmt::format("opacity shadow maps: 3 slices {:.4f}, 16 {:.4f}, 128 {:.4f}", few.all(),
                               some.all(), many.all());
@@ -226,13 +226,13 @@ std::vector<Case> shadowCases(const Laboratory& laboratory) {
   return cases;
 }
 
-/// Hairs of a head in motion, and how many of their vertices are in its bodies.
+/// Hairs of a head in motion, with a count of vertices inside its bodies.
 class HairOnHead {
  public:
   HairOnHead() : nodes_(kSegments) {
     Settings settings;
     settings.scene.name = "straight";
-    settings.scene.strands = 150;  // far apart, so that hair between them cuts corners
+    settings.scene.strands = 150;  // sparse, so that interpolated hair cuts corners
     settings.scene.vertices = 24;
     settings.scene.motion = "turn";
     settings.backend = "reference";
@@ -254,7 +254,7 @@ class HairOnHead {
       for (const ContactPrimitive& shape : body.primitives) obstacles_.push_back({shape, body.follows_head});
   }
 
-  /// Vertices deeper than a hundredth of a millimetre, and than the root where they are next to it.
+  /// Counts vertices deeper in a body than 1e-5 m. Near the root, a vertex may be as deep as the root is.
   size_t inside(GrowthPath path, bool kept_out) const {
     HairPass pass(path, HairGeometry::kLines);
     pass.setHairs(hairs_, growth_);
@@ -294,7 +294,8 @@ class HairOnHead {
   Pose head_;
 };
 
-/// A ball goes 2 cm into a curtain of hair in steps: the farthest that a vertex goes in one of them, over it.
+/// A ball moves 2 cm into a curtain of hair in steps. Returns the farthest motion of a vertex in one step
+/// over that of the ball.
 double largestJump() {
   StrandSet guides;
   for (int i = 0; i < 9; ++i) {
@@ -336,8 +337,8 @@ std::vector<Case> bodyCases(const Laboratory& laboratory) {
   const HairOnHead head;
   const auto count = [](size_t n) { return static_cast<double>(n); };
   std::vector<Case> cases;
-  // What there is to do: without it the others would say nothing.
-  cases.push_back(atLeastCase({kBodyNames[0], "vertices inside, of those of hair that nothing keeps out", ""},
+  // The number of penetrations without obstacles; without any, the cases below would test nothing.
+  cases.push_back(atLeastCase({kBodyNames[0], "vertices inside, of hair without --keep-out", ""},
                               count(head.inside(GrowthPath::kCompute, false)), 1000, 0));
   cases.back().note = fmt::format("of {} vertices", head.vertices());
   laboratory.checkStopped();
@@ -346,13 +347,13 @@ std::vector<Case> bodyCases(const Laboratory& laboratory) {
   cases.push_back(absoluteCase({kBodyNames[2], "vertices inside", ""},
                                count(head.inside(GrowthPath::kTessellator, true)), 0, 0));
   laboratory.checkStopped();
-  cases.push_back(
-      absoluteCase({kBodyNames[3], "farthest way of a vertex over that of the ball that goes in", ""},
-                   largestJump(), 0, 20));
+  cases.push_back(absoluteCase(
+      {kBodyNames[3], "greatest distance that a vertex moves, over that of the entering ball", ""},
+      largestJump(), 0, 20));
   return cases;
 }
 
-/// What a level of detail changes in a picture, over the pixels that hair covers.
+/// Error of a picture at a level of detail, over the pixels that hair covers.
 struct DetailError {
   double pixels = 0;  ///< mean difference, linear, of full white
   double area = 0;    ///< of the area covered, relative
@@ -376,7 +377,8 @@ class DetailPictures {
     frame_.positions = groom_.guides.positions;
     settings_.width = settings_.height = 128;
     settings_.growth.hairs = 12000;
-    settings_.geometry = HairGeometry::kStrips;  // what lines shorter than a pixel cover, devices choose
+    settings_.geometry = HairGeometry::kStrips;  // the coverage of lines shorter than a pixel depends on the
+                                                 // device
     if (!black) return;
     settings_.shadows = false;
     settings_.hair_color = Vec3::Zero();
@@ -443,12 +445,13 @@ std::vector<Case> detailCases(const Laboratory& laboratory) {
     }
   }
   std::vector<Case> cases;
-  cases.push_back(absoluteCase(
-      {kDetailNames[0], "worst mean difference from full detail over pixels with hair, of white", ""},
-      worst.pixels, 0, 0.02));
+  cases.push_back(
+      absoluteCase({kDetailNames[0],
+                    "worst mean difference from full detail over pixels with hair, relative to white", ""},
+                   worst.pixels, 0, 0.02));
   cases.back().note = pixels_note;
-  cases.push_back(absoluteCase(
-      {kDetailNames[1], "worst difference of the covered area from full detail's", ""}, worst.area, 0, 0.03));
+  cases.push_back(absoluteCase({kDetailNames[1], "worst difference of the covered area from full detail", ""},
+                               worst.area, 0, 0.03));
   cases.back().note = area_note;
   return cases;
 }
@@ -458,14 +461,14 @@ std::vector<Case> detailCases(const Laboratory& laboratory) {
 const Suite& renderSuite() {
   static const Suite suite{
       "render",
-      "the renderer's shaders against slower exact paths",
-      {{"hairs of every kind grown on the tessellator and in compute, against double precision",
+      "the renderer's shaders against slower exact methods",
+      {{"hairs of every kind grown by the tessellator and by compute shaders, against double precision",
         growthNames(), growthCases},
-       {"deep opacity maps of a head of curls against what lies along the light's rays", kShadowNames,
+       {"deep opacity maps of a head of curls against the exact opacity along the light's rays", kShadowNames,
         shadowCases},
-       {"hair between the guides of a head in motion, kept out of its bodies; a ball that goes into hair",
-        kBodyNames, bodyCases},
-       {"a head from near to far at the level of detail of its size, and in full", kDetailNames,
+       {"grown hair of a moving head, kept out of its bodies; a ball that enters hair", kBodyNames,
+        bodyCases},
+       {"a head from near to far, at the level of detail of its size and in full detail", kDetailNames,
         detailCases}}};
   return suite;
 }

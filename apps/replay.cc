@@ -18,11 +18,11 @@ namespace strandcast {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kLook = 0.004;              // s, between looks at commands
-constexpr double kStillInterval = 0.25;      // s: a frame that stands still is shown again to who comes late
-constexpr double kMovedInterval = 1.0 / 60;  // s, between frames that do not follow each other
+constexpr double kLook = 0.004;          // s, between polls for commands
+constexpr double kStillInterval = 0.25;  // s: interval at which a still frame is repeated for late joiners
+constexpr double kMovedInterval = 1.0 / 60;  // s, between frames that are not consecutive
 
-constexpr double kMostLate = 0.1;  // s
+constexpr double kMostLate = 0.1;  // s, delay beyond which the schedule restarts
 
 Clock::duration durationOf(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -43,7 +43,7 @@ double numberOf(const Command& command, double low, double high) {
 void checkReplay(const Recording& recording, const ReplayOptions& options) {
   if (recording.frames() > 0 && options.from <= recording.seconds()) return;
   const double end = options.to > 0 ? options.to : recording.seconds();
-  throw Error("there is nothing to replay", fmt::format("{:g} to {:g} s", options.from, end),
+  throw Error("the range has no frames: nothing to replay", fmt::format("{:g} to {:g} s", options.from, end),
               fmt::format("the recording has {} frames, {:.3f} s", recording.frames(), recording.seconds()));
 }
 
@@ -92,20 +92,20 @@ void Replay::apply(const Command& command) {
     case CommandKind::kAddColliderFile:
       break;
   }
-  throw Error("a recording does not obey this", commandText(command),
-              "it takes set speed, set position, set loop, reset and stop");
+  throw Error("a replayed recording does not obey this command", commandText(command),
+              "use set speed, set position, set loop, reset or stop");
 }
 
-void Replay::tellParameters() {
+void Replay::fillStatus() {
   status_.parameters = parameterTable(NamedValues{{"speed", {options_.speed}},
                                                   {"position", {target_.value_or(read_.record.time)}},
                                                   {"loop", {options_.loops ? 1.0 : 0.0}}});
 }
 
-void Replay::obey(const Command& command) {
+void Replay::execute(const Command& command) {
   answerCommand(
       command, [&] { apply(command); }, status_);
-  tellParameters();
+  fillStatus();
   publisher_.publishStatus(status_);
 }
 
@@ -134,7 +134,7 @@ void Replay::publish(double elapsed) {
     status_.vertices = groom.guides.vertices();
   }
   ++frame_.frame;
-  // Time as it passes for who looks: at twice the speed frames come twice as soon.
+  // Simulation time advances as a viewer sees it: at twice the speed, half the time per frame.
   frame_.simulation_time += elapsed;
   frame_.publish_time = systemTime();
   frame_.head = read_.frame->head;
@@ -147,7 +147,7 @@ void Replay::publishStatus() {
   status_.simulation_time = read_.record.time;
   status_.readers = publisher_.matchedReaders();
   status_.encoding = publisher_.encoding();
-  tellParameters();
+  fillStatus();
   publisher_.publishStatus(status_);
   summary_.failure =
       rival_watch_.look(publisher_, status_.session, status_.frames, Clock::now() - cast_since_).value_or("");
@@ -163,7 +163,7 @@ ReplaySummary Replay::run(const std::atomic<bool>& stop) {
     for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
       const std::optional<Command> command = publisher_.takeCommand();
       if (!command) break;
-      obey(*command);
+      execute(*command);
     }
     const double waited = secondsSince(shown), speed = options_.speed;
     const uint64_t next = number_ + 1;
@@ -187,7 +187,7 @@ ReplaySummary Replay::run(const std::atomic<bool>& stop) {
       due = (recording_.timeOf(next) - recording_.timeOf(number_)) / speed;
       if (waited >= due) {
         show(next, due);
-        // A machine that is too slow falls behind rather than hurrying afterwards.
+        // A machine that is too slow falls behind; it does not hurry afterwards.
         shown = waited > due + kMostLate ? Clock::now() : shown + durationOf(due);
       }
     }
@@ -195,7 +195,7 @@ ReplaySummary Replay::run(const std::atomic<bool>& stop) {
       publishStatus();
       status_due = Clock::now() + durationOf(kStatusInterval);
     }
-    // As numbers: a frame of a paused daemon that was recorded may be due in more than a clock holds.
+    // Clamp seconds before converting: the gap after a recorded pause may exceed the clock's range.
     std::this_thread::sleep_for(durationOf(std::clamp(due - secondsSince(shown), 0.0, kLook)));
   }
   publishStatus();

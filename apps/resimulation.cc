@@ -20,12 +20,12 @@ struct Source {
   Scene scene;
 };
 
-/// The working directory is another one while this is there.
+/// Changes the working directory for its lifetime.
 class Visit {
  public:
   explicit Visit(const std::filesystem::path& folder) : home_(std::filesystem::current_path()) {
     std::error_code gone;
-    std::filesystem::current_path(folder, gone);  // what needs it will say what it misses
+    std::filesystem::current_path(folder, gone);  // a later failure to open a file names what is missing
   }
   ~Visit() {
     std::error_code gone;
@@ -38,7 +38,7 @@ class Visit {
   const std::filesystem::path home_;
 };
 
-/// JSON's texts are UTF-8, names of files any bytes: what is no UTF-8 is a list of its bytes.
+/// JSON text is UTF-8, file names are any bytes: a name that is not UTF-8 becomes a list of its bytes.
 nlohmann::json jsonOfBytes(const std::string& bytes) {
   nlohmann::json text = bytes;
   try {
@@ -56,32 +56,32 @@ std::string bytesOfJson(const nlohmann::json& text) {
 
 Source sourceOf(const std::string& text, const std::string& name) {
   if (text.empty())
-    throw Error("the recording does not say what made it", name,
-                "only what `strandcastd --record` wrote can be simulated again");
+    throw Error("the recording has no settings to simulate from", name,
+                "only recordings of `strandcastd --record` can be simulated again");
   try {
     const nlohmann::json source = nlohmann::json::parse(text);
-    const Visit visit(bytesOfJson(source.at("folder")));  // files are named from there
+    const Visit visit(bytesOfJson(source.at("folder")));  // relative file names start there
     CLI::App app;
     SettingsOptions options(app, SettingsUse::kServe);
     app.allow_extras();  // --record, --quiet and the like
     std::vector<std::string> words;
     for (const nlohmann::json& word : source.at("arguments")) words.push_back(bytesOfJson(word));
-    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    std::reverse(words.begin(), words.end());  // CLI11 takes them in reverse order
     app.parse(words);
     Source out{options.resolve(source.at("config").get<std::string>()), source.at("device"), {}};
     out.settings.backend = source.at("backend");
     out.settings.duration = 0;
-    out.scene = makeSceneAloud(out.settings.scene);
+    out.scene = makeSceneWithProgress(out.settings.scene);
     return out;
   } catch (const CLI::ParseError& error) {
-    throw Error(std::string("the recorded settings are not understood: ") + error.what(), name,
+    throw Error(std::string("the recorded settings cannot be read: ") + error.what(), name,
                 "use the version that recorded it");
   } catch (const nlohmann::json::exception& error) {
     throw Error("the recorded settings are damaged", name, error.what());
   }
 }
 
-/// In place of a network: gives the recorded commands, and compares frames.
+/// Stands in for a network: supplies the recorded commands and compares frames.
 class RecordedInputs final : public Publisher {
  public:
   RecordedInputs(Recording& recording, const std::string& name, ResimulationReport& report)
@@ -92,8 +92,8 @@ class RecordedInputs final : public Publisher {
   void announce(const GroomDescription& groom, const BodyDescription&) override {
     if (groom.guides.offsets != next_.groom->guides.offsets ||
         groom.guides.positions != next_.groom->guides.positions)
-      throw Error("the groom is not the one that was recorded", name_,
-                  "have its files changed, or is it another version of the program?");
+      throw Error("the groom differs from the recorded groom", name_,
+                  "have its files changed, or is this another version of the program?");
   }
   void announceColliders(const ColliderSet&) override {}
   std::optional<Command> takeCommand() override {
@@ -104,7 +104,7 @@ class RecordedInputs final : public Publisher {
     return command;
   }
   void publish(const GuideFrame& frame) override {
-    if (frame.frame < next_.frame->frame) return;  // it was not recorded
+    if (frame.frame < next_.frame->frame) return;  // the frame was not recorded
     ++report_.frames;
     if (positionsHash(frame.positions) != next_.record.state_hash && report_.different++ == 0)
       report_.first_different = next_.record.number;
@@ -160,7 +160,7 @@ ResimulationReport resimulate(Recording& recording, const std::string& name, con
   report.device = daemon.status().device;
   report.recorded_device = source.device;
   daemon.setObserver([&](Simulation& simulation) { frame_done(report.frames, simulation); });
-  // How many steps the clock gave to each frame is told by the frames' times.
+  // The frames' times determine how many steps each frame took.
   daemon.setStepping([&](const Simulation& simulation) { return simulation.time() < inputs.time(); });
   while (!inputs.isOver() && !stop && daemon.castFrame(stop)) {
   }

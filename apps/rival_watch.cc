@@ -8,11 +8,11 @@
 namespace strandcast {
 namespace {
 
-/// Daemons whose frames differ by no more began to cast at the same time, as far as statuses, which come
-/// twice a second, can tell.
+/// Frame counts that differ by no more than this count as equal: statuses come only twice a second.
 constexpr uint64_t kAlike = 120;
 
-/// Both daemons come to one result: what a status tells of the other is never ahead of the truth.
+/// Both daemons reach the same decision, because the frame count that a status carries is never ahead of the
+/// real count.
 bool givesWay(uint64_t session, uint64_t frames, const Rival& rival) {
   if (rival.frames > frames + kAlike) return true;
   if (frames > rival.frames + kAlike) return false;
@@ -26,15 +26,15 @@ std::optional<std::string> RivalWatch::look(const Publisher& publisher, uint64_t
   const std::optional<Rival> rival = publisher.rival();
   if (!rival || !rival->casts) return std::nullopt;
   if (casting < kSecondThoughts && givesWay(session, frames, *rival))
-    return Error(fmt::format("another daemon casts groom {} too, and was heard late", groom_id_),
+    return Error(fmt::format("another daemon also publishes groom {}, and was discovered late", groom_id_),
                  fmt::format("session {:016x}", rival->session),
                  "stop it (`strandcast ctl stop`) or choose another --groom-id")
         .what();
   if (rival->session == warned_) return std::nullopt;
   warned_ = rival->session;
   spdlog::warn(
-      "another daemon, session {:016x}, casts groom {} too, and it is left to chance whom a "
-      "reader sees: stop one of them",
+      "another daemon, session {:016x}, also publishes groom {}, and readers may receive either: stop one of "
+      "them",
       warned_, groom_id_);
   return std::nullopt;
 }

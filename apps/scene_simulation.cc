@@ -28,13 +28,13 @@ Parameters sceneParameters(const Scene& scene, const Settings& settings) {
   if (parameters.hair_radius < scene.parameters.hair_radius &&
       scene.parameters.hair_radius > Parameters().hair_radius)
     spdlog::warn(
-        "hair_radius is {:g} m and the thickest material has {:g} m: hair that touches bodies is partly in "
-        "them; leave hair_radius out, and it follows from the materials",
+        "hair_radius is {:g} m and the thickest material has {:g} m: hair that touches bodies partly enters "
+        "them; leave hair_radius out to take it from the materials",
         parameters.hair_radius, scene.parameters.hair_radius);
   return parameters;
 }
 
-// Coils of hardly more than two vertices a turn do not come to rest, and are none.
+// Curls with hardly more than two vertices a turn alias and do not come to rest.
 void warnOfSharpTurns(const StrandModel& model, const std::string& name) {
   constexpr double kSharp = 150;  // degrees, from edge to edge
   size_t sharp = 0;
@@ -49,8 +49,8 @@ void warnOfSharpTurns(const StrandModel& model, const std::string& name) {
   }
   if (sharp > 0)
     spdlog::warn(
-        "{}: {} of {} strands turn by up to {:.0f} degrees at a vertex: too few vertices for their curls, "
-        "which may never rest; give them more (--vertices)",
+        "{}: {} of {} strands bend by up to {:.0f} degrees at a vertex: too few vertices for their curls, "
+        "which may never come to rest; give more (--vertices)",
         name, sharp, model.strands(), sharpest);
 }
 
@@ -59,17 +59,17 @@ size_t partOfStrand(const Scene& scene, size_t strand) {
   return parts.empty() ? 0 : parts[strand];
 }
 
-// Pins hold hair where their bone is, and no program has a pose for another than the head.
+// Warns of pins to other bones than the head: no program moves those, so the hair stays where they are.
 void warnOfBonesThatStay(const std::vector<PinRule>& pins) {
   for (const PinRule& pin : pins)
     if (pin.bone != "head")
       spdlog::warn(
-          "{}: bone '{}' does not move, and what is pinned to it stays where it is: programs move the bone "
-          "'head' only",
+          "{}: bone '{}' does not move, so hair pinned to it stays in place: programs move only the bone "
+          "'head'",
           pin.where, pin.bone);
 }
 
-// "bangs 12, back 133", of what each part has of these strands.
+// Counts these strands by part: "bangs 12, back 133".
 std::string countByPart(const Scene& scene, std::span<const uint32_t> strands) {
   std::vector<size_t> counts(scene.part_names.size());
   for (const uint32_t s : strands) ++counts[partOfStrand(scene, s)];
@@ -80,7 +80,7 @@ std::string countByPart(const Scene& scene, std::span<const uint32_t> strands) {
   return text;
 }
 
-/// Before it is made, for those who wait.
+/// Logs the estimate before the work begins.
 void tellOutlook(const Scene& scene, const Settings& settings) {
   const HairOutlook outlook = outlookOfModel(scene, settings);
   if (outlook.isWorthSaying())
@@ -120,14 +120,14 @@ Simulation makeSimulation(const Scene& scene, const Settings& settings) {
   warnOfBonesThatStay(scene.pins);
   std::unique_ptr<Backend> backend =
       createBackend(knownBackends(settings.backend), settings.backend, settings.threads, settings.solver);
-  std::unique_ptr<Surroundings> surroundings;
+  std::unique_ptr<ExternalForces> air_system;
   if (backend->takesAccelerations())
-    surroundings = airOf(backend->name(), settings.threads).surroundings(withoutNames(settings.wind_sources));
+    air_system = airOf(backend->name(), settings.threads).make(withoutNames(settings.wind_sources));
   tellOutlook(scene, settings);
   ProgressBar bar;
   StrandModel model = modelOf(scene, settings, parameters.gravity, bar);
   bar.show("loading the backend", 0.95);
-  return Simulation(std::move(model), scene.bodies, parameters, std::move(backend), std::move(surroundings),
+  return Simulation(std::move(model), scene.bodies, parameters, std::move(backend), std::move(air_system),
                     makeTreeBroadPhase());
 }
 

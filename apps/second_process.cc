@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kThisProgram = "/proc/self/exe";
 constexpr int kPollMs = 100;
-constexpr milliseconds kGrace{2000};  // for one that says goodbye to a network
+constexpr milliseconds kGrace{2000};  // time that a process has to leave its network
 
 [[noreturn]] void fail() {
   throw Error("a second process cannot be started", kThisProgram,

@@ -8,30 +8,32 @@
 
 namespace strandcast {
 
-/// This program once more, as another process. It ends with this.
+/// Runs this program once more as a child process. The destructor ends the child.
 class SecondProcess {
  public:
-  /// Runs it with these words; its standard error is this program's. Throws Error.
+  /// Starts the program with these arguments; it shares standard error. Throws Error.
   explicit SecondProcess(std::vector<std::string> words);
   ~SecondProcess();
   SecondProcess(const SecondProcess&) = delete;
   SecondProcess& operator=(const SecondProcess&) = delete;
 
-  /// What it prints until the end of the next line. Nothing when it ends before, says nothing for so long, or
-  /// this program is interrupted: end() says what became of it.
+  /// The child's output up to the end of the next line. Empty where the child ends first, prints nothing
+  /// within `patience`, or this program is interrupted; end() then describes the outcome.
   std::optional<std::string> line(std::chrono::milliseconds patience);
-  /// Ends its standard input, as the end of this program does.
+  /// Closes the child's standard input, as the end of this program would.
   void endInput();
-  /// Ends its input, and kills it where it still runs two seconds later; how it ended, for people.
+  /// Closes the child's input, and kills it where it still runs two seconds later. Returns how it ended, as
+  /// text.
   std::string end();
 
  private:
   pid_t pid_ = 0;
   int input_ = -1, output_ = -1;
-  std::string read_;  // beyond the last line
+  std::string read_;  // output beyond the last line
 };
 
-/// In the second process: whether endInput() was called, or the first one is gone.
+/// In the child: whether endInput() was called or the parent is gone. Precondition: nothing is written to its
+/// input.
 bool inputHasEnded();
 
 }  // namespace strandcast

@@ -35,12 +35,12 @@ std::vector<std::string> codecNames() {
 
 std::string codecHelp() {
   std::string text =
-      "how guides are written for the network (default " + std::string(nameOf(CodecOptions().codec)) + "):";
+      "encoding of guides on the network (default " + std::string(nameOf(CodecOptions().codec)) + "):";
   for (const CodecInfo& info : codecList()) text += fmt::format("\n  {}: {}", info.name, info.help);
-  return text + "\nReaders are told with each chunk; see bytes per frame in `strandcast ctl status`.";
+  return text + "\nEach chunk names its codec to readers; `strandcast ctl status` shows bytes per frame.";
 }
 
-/// Also what is behind the last `at`, where that is nothing: "1," are "1" and "".
+/// Splits at every `at`; keeps an empty last part: "1," gives "1" and "".
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
   for (size_t first = 0, end = 0; end != std::string::npos; first = end + 1) {
@@ -59,7 +59,7 @@ std::pair<std::string, std::vector<double>> parseAssignment(const std::string& t
   return {text.substr(0, equals), values};
 }
 
-/// A parameter that two --set give other values.
+/// Throws Error where two --set give a parameter different values.
 void refuseSetTwice(const std::vector<std::pair<std::string, std::vector<double>>>& before,
                     const std::pair<std::string, std::vector<double>>& now, const std::string& text) {
   for (const auto& [name, values] : before)
@@ -68,7 +68,7 @@ void refuseSetTwice(const std::vector<std::pair<std::string, std::vector<double>
                   "leave one of them out");
 }
 
-/// Options by the keys of configuration files.
+/// Options and their keys in configuration files.
 constexpr std::pair<const char*, const char*> kOptionKeys[] = {
     {"--scene", "scene"},
     {"--groom", "groom.files"},
@@ -115,9 +115,9 @@ bool isGivenTo(const CLI::App& app, const char* option) {
 
 std::string materialHelp() {
   std::string text =
-      "what the hair of a part is made of, PART:NAME=VALUE,NAME=VALUE; may be repeated. PART: stem of a "
-      "groom file, number of a part, or all. A curve is one factor or knots PLACE:FACTOR joined by / from "
-      "root (0) to tip (1), e.g. all:radius=5e-5,radius_curve=0:1/1:0.4. Names:";
+      "material of the hair of a part, PART:NAME=VALUE,NAME=VALUE; may be repeated. PART: stem of a groom "
+      "file, number of a part, or all. A curve is one factor, or knots PLACE:FACTOR joined by / from root "
+      "(0) to tip (1), e.g. all:radius=5e-5,radius_curve=0:1/1:0.4. Names:";
   for (const MaterialSettingInfo& info : materialSettingList())
     text += fmt::format("\n  {} {}({}{}): {}", info.name, info.unit.empty() ? "" : "[" + info.unit + "] ",
                         info.curve ? "curve, " : "", info.range, info.help);
@@ -166,41 +166,40 @@ BodyContact bodyContactOf(const std::string& name, const std::string& where) {
 BodyRoots bodyRootsOf(const std::string& name, const std::string& where) {
   if (name == "skin") return BodyRoots::kSkin;
   if (name == "joint") return BodyRoots::kJoint;
-  throw Error("roots do not go with '" + name + "'", where, "choose one of skin, joint");
+  throw Error("unknown value of --body-roots: '" + name + "'", where, "choose one of skin, joint");
 }
 
 void addNetworkOptions(CLI::App& app, Settings& settings) {
-  app.add_option(
-         "--transport", settings.transport,
-         "how frames travel. dds: repairs losses, finds the others by itself; lcm: UDP multicast without "
-         "repair or security, readers conceal what is lost")
+  app.add_option("--transport", settings.transport,
+                 "transport of frames. dds: repairs losses and discovers the other programs; lcm: UDP "
+                 "multicast without repair or security; readers conceal losses")
       ->check(CLI::IsMember({"dds", "lcm"}))
       ->capture_default_str();
-  std::string profiles = "how DDS carries what this program sends and receives:";
+  std::string profiles = "DDS profile of what this program sends and receives:";
   std::vector<std::string> names;
   for (const DdsProfileInfo& info : ddsProfileList()) {
     profiles += fmt::format("\n  {}: {}", info.name, info.help);
     names.emplace_back(info.name);
   }
   app.add_option("--profile", settings.profile, profiles)->check(CLI::IsMember(names))->capture_default_str();
-  app.add_option(
-      "--keys", settings.keys,
-      "with --profile secure: folder with the keys and permissions of this program, e.g. KEYS/daemon "
-      "or KEYS/renderer of `strandcast keys KEYS`");
-  app.add_option(
-         "--peers", settings.peers,
-         "addresses of machines to look on, separated by commas, where multicast does not reach (DDS)")
+  app.add_option("--keys", settings.keys,
+                 "with --profile secure: folder of this program's keys and permissions, e.g. KEYS/daemon or "
+                 "KEYS/renderer of `strandcast keys KEYS`");
+  app.add_option("--peers", settings.peers,
+                 "addresses of machines where discovery looks for programs without multicast, separated by "
+                 "commas (DDS)")
       ->delimiter(',');
   app.add_option("--discovery-server", settings.discovery_server,
-                 "ADDRESS:PORT of a discovery server in place of multicast (DDS); "
-                 "`fastdds discovery -i 0 -l ADDRESS -p PORT` runs one");
+                 "ADDRESS:PORT of a discovery server instead of multicast (DDS); `fastdds discovery -i 0 -l "
+                 "ADDRESS -p PORT` runs one");
   app.add_option("--lcm-url", settings.lcm_url,
-                 "with --transport lcm: udpm://ADDRESS:PORT?ttl=N or file:///PATH?mode=w (r to replay it). "
-                 "Without: this machine alone, port 7667 + domain; ttl=1 reaches the local network");
+                 "with --transport lcm: udpm://ADDRESS:PORT?ttl=N or file:///PATH?mode=w (mode=r replays "
+                 "it); ttl=1 reaches the local network. Default: this machine only, port 7667 + domain");
   app.add_option("--domain", settings.domain, "programs on different domains do not see each other")
       ->transform(wholeRange(0, 232))
       ->capture_default_str();
-  app.add_option("--groom-id", settings.groom_id, "number of the groom on the network; one daemon each")
+  app.add_option("--groom-id", settings.groom_id,
+                 "number of the groom on the network; one daemon publishes each")
       ->transform(wholeRange(1, 4294967295.0))
       ->capture_default_str();
 }
@@ -212,34 +211,32 @@ void checkNetworkOptions(const CLI::App& app, Settings& settings) {
 }
 
 SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), use_(use) {
-  auto* scene = app.add_option_group("Scene", "what is simulated");
+  auto* scene = app.add_option_group("Scene", "hair, body and motion");
   scene_ = scene;
   scene->add_option(
       "--config", config_,
-      "TOML file with settings of scene, simulation and network (README.md); options win over it");
+      "TOML file with settings of scene, simulation and network (docs/reference.md); options override it");
   scene->add_option("--scene", given_.scene.name, sceneHelp());
   scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj, .usda), separated by commas")
       ->delimiter(',');
-  scene->add_option("--body", given_.scene.body,
-                    "body mesh (.obj, .gltf, .glb; 20 million vertices at most) that the hair grows on and "
-                    "collides with");
-  scene
-      ->add_option(
-          "--body-contact", body_contact_,
-          "what the hair collides with: the body's baked distance field (default; kept in the cache), or "
-          "spheres fitted into it (quick, coarse)")
-      ->check(CLI::IsMember({"field", "spheres"}));
   scene->add_option(
-      "--body-clip", body_clip_,
-      "lets a glTF body with a skin or morph targets move: the name of one of its animations, or a .bvh clip "
-      "whose joints have the same names");
+      "--body", given_.scene.body,
+      "body mesh (.obj, .gltf, .glb; 20 million vertices at most) that the hair grows on and collides with");
+  scene
+      ->add_option("--body-contact", body_contact_,
+                   "contact with the body: its baked distance field (default; kept in the cache), or spheres "
+                   "fitted into it (fast, coarse)")
+      ->check(CLI::IsMember({"field", "spheres"}));
+  scene->add_option("--body-clip", body_clip_,
+                    "clip that moves a glTF body with a skin or morph targets: the name of one of its "
+                    "animations, or a .bvh file whose joints have the same names");
   scene->add_option("--body-joint", body_joint_,
-                    "the joint of a skinned body that the hair grows on and --motion turns; the first with "
-                    "'head' in its name if not given. Without --body-clip the rest stands");
+                    "joint of a skinned body that carries the hair and that --motion turns; default: the "
+                    "first with 'head' in its name. Without --body-clip the other joints stand still");
   scene
       ->add_option("--body-roots", body_roots_,
-                   "what roots on a skinned body move with: the skin under each of them (default), or that "
-                   "joint, all as a whole")
+                   "what roots on a skinned body follow: skin, the surface under each root (default), or "
+                   "joint, --body-joint for all roots")
       ->check(CLI::IsMember({"skin", "joint"}));
   scene
       ->add_option("--body-cell", given_.scene.body_cell,
@@ -248,41 +245,39 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
   scene
       ->add_option(
           "--unit-meters", given_.scene.units.unit_meters,
-          "metres per unit of groom files, and of an .obj body; as the files say, or guessed, if not given")
+          "metres per unit of groom files and of an .obj body; default: as the files say, else guessed")
       ->check(finiteRange(1e-6, 1000.0));
-  scene->add_option("--up", up_, "up axis of groom files, and of an .obj body")
+  scene->add_option("--up", up_, "up axis of groom files and of an .obj body")
       ->check(CLI::IsMember({"auto", "x", "y", "z"}));
   scene
       ->add_option(
           "--body-unit-meters", given_.scene.body_units.unit_meters,
-          "metres per unit of the body file; if not given, 1 for glTF, which is in metres, and for .obj the "
-          "groom's")
+          "metres per unit of the body file; default: 1 for glTF, which is in metres; the groom's for .obj")
       ->check(finiteRange(1e-6, 1000.0));
-  scene
-      ->add_option("--body-up", body_up_,
-                   "up axis of the body file; if not given, y for glTF, and for .obj the one of --up")
+  scene->add_option("--body-up", body_up_, "up axis of the body file; default: y for glTF; --up for .obj")
       ->check(CLI::IsMember({"auto", "x", "y", "z"}));
   scene
       ->add_option("--clip-unit-meters", given_.scene.clip_unit_meters,
-                   "metres per unit of .bvh clips of --body-clip and --motion; if not given, what makes "
-                   "their bones as "
-                   "long as the body's of the same names, or their skeleton as tall as a person")
+                   "metres per unit of .bvh clips of --body-clip and --motion; default: the scale that "
+                   "matches bone lengths of the same names, or that makes the skeleton as tall as a person")
       ->check(finiteRange(1e-6, 1000.0));
   scene->add_option("--motion", given_.scene.motion,
                     "head motion: still, nod, shake, turn, joined by +, or a .bvh clip");
-  scene->add_option("--strands", given_.scene.strands, "guides: grown (procedural) or chosen evenly (files)")
+  scene
+      ->add_option("--strands", given_.scene.strands,
+                   "number of guides: grown (procedural) or chosen evenly (files)")
       ->transform(wholeRange(1, 1000000));
-  scene->add_option("--vertices", given_.scene.vertices, "vertices per strand: grown or resampled to")
+  scene->add_option("--vertices", given_.scene.vertices, "vertices per strand, grown or resampled")
       ->transform(wholeRange(2, 128));
   scene->add_option("--length", given_.scene.length, "length of procedural hair, m")
       ->check(finiteRange(0.01, 2.0));
-  scene->add_option("--seed", given_.scene.seed, "of everything random")
+  scene->add_option("--seed", given_.scene.seed, "seed of all random numbers")
       ->transform(wholeRange(0, kLargestSeed))
       ->capture_default_str();
 
   scene->add_option("--material", material_, materialHelp());
 
-  auto* simulation = app.add_option_group("Simulation", "how it is computed");
+  auto* simulation = app.add_option_group("Simulation", "solver, backend and rate");
   simulation_ = simulation;
   simulation
       ->add_option("--backend", given_.backend,
@@ -290,40 +285,39 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
       ->check(CLI::IsMember({"auto", "gpu", "simd", "reference"}))
       ->capture_default_str();
   simulation
-      ->add_flag(
-          "--sag-free,!--no-sag-free", sag_free_,
-          "the groomed shape is the shape at rest under gravity (default), or hair as it is made that sags")
+      ->add_flag("--sag-free,!--no-sag-free", sag_free_,
+                 "make the groomed shape the rest shape under gravity (default); off: hair sags from it")
       ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
-  simulation->add_option("--threads", given_.threads, "of the simd backend, and to encode; 0 = all")
+  simulation->add_option("--threads", given_.threads, "threads of the simd backend and of encoding; 0 = all")
       ->transform(wholeRange(0, 1024));
   simulation->add_option("--set", set_, parameterHelp());
   if (use == SettingsUse::kCompare) return;
   simulation
-      ->add_option("--solver", solver_,
-                   "rod: elastic rods that keep their length (default); gauss_seidel: iterated constraints")
+      ->add_option(
+          "--solver", solver_,
+          "rod: inextensible elastic rods (default); gauss_seidel: position-based constraints, iterated")
       ->check(CLI::IsMember({"rod", "gauss_seidel"}));
   simulation->add_option("--rate", given_.rate, "frames per second")
       ->check(finiteRange(1.0, 1000.0))
       ->capture_default_str();
-  simulation->add_option("--duration", given_.duration, "seconds to run, by the clock; 0 = until interrupted")
+  simulation->add_option("--duration", given_.duration, "seconds of wall time to run; 0 = until interrupted")
       ->check(finiteRange(0.0, 1e9));
   addNetworkOptions(app, given_);
   if (use == SettingsUse::kServe)
     app.add_option(
         "--collider-folder", given_.collider_folder,
         "folder with meshes (.obj, .gltf, .glb) that `strandcast ctl collider add NAME mesh FILE` and `... "
-        "convex FILE` may name, from any machine that may command. Without it commands have no file opened");
+        "convex FILE` may name, from any machine that may command. Without it commands may not open files");
   app.add_option("--codec", codec_, codecHelp())->check(CLI::IsMember(codecNames()));
   app.add_option("--codec-error", codec_error_mm_,
-                 "mm; no guide vertex is received further from where it was (default 0.01)")
+                 "largest distance, mm, of a received guide vertex from the simulated one (default 0.01)")
       ->check(finiteRange(0.001, 1.0));
   app.add_flag(
       "--zstd", given_.codec.zstd,
       "compress delta16, oct12 and oct16 with zstd: up to 7 % fewer bytes for twice the encoder's time");
   app.add_option("--key-interval", given_.codec.key_interval,
-                 "frames from one that stands alone to the next in the temporal codec: a reader that joins "
-                 "or misses one "
-                 "waits that long")
+                 "frames between key frames of the temporal codec: a reader that joins, or loses a frame, "
+                 "waits up to that long")
       ->transform(wholeRange(1, kMaxKeyInterval))
       ->capture_default_str();
 }
@@ -336,8 +330,8 @@ void SettingsOptions::refuseWithoutScene() const {
   if (namesScene()) return;
   for (const CLI::App* const group : {scene_, simulation_})
     for (const CLI::Option* const option : group->get_options())
-      if (option->count() > 0 && option->get_name() != "--threads")  // which encode, too
-        throw Error("what a daemon casts is as the daemon was told", option->get_name(),
+      if (option->count() > 0 && option->get_name() != "--threads")  // encoding uses threads, too
+        throw Error("this option belongs to the daemon that simulates", option->get_name(),
                     "leave it out, or name a --scene to simulate here");
 }
 
@@ -395,7 +389,7 @@ void SettingsOptions::noteGiven(Settings& out) const {
     for (const char* key : replaced) {
       const auto of_file = out.given.find(key);
       if (!isGiven(option) || of_file == out.given.end()) continue;
-      out.notes.push_back(fmt::format("{}, {} gives way to {}", of_file->second, key, option));
+      out.notes.push_back(fmt::format("{}, {} is overridden by {}", of_file->second, key, option));
       out.given.erase(of_file);
     }
   for (const auto& [option, key] : kOptionKeys)
@@ -409,9 +403,9 @@ Settings SettingsOptions::over(Settings out) const {
     if (isGiven(option)) to = from;
   };
   if (app_.count("--scene") > 0 && app_.count("--groom") > 0)
-    throw Error("a procedural scene and a groom are two things to simulate", "--scene and --groom",
+    throw Error("a procedural scene and a groom cannot be simulated together", "--scene and --groom",
                 "leave one of them out");
-  if (app_.count("--scene") > 0) {  // in place of the file's groom and what goes with it
+  if (app_.count("--scene") > 0) {  // replaces the file's groom and its settings
     out.scene.name = given_.scene.name;
     out.scene.groom.clear();
     out.scene.body.clear();
@@ -419,11 +413,11 @@ Settings SettingsOptions::over(Settings out) const {
     if (!isBvh(out.scene.motion)) out.scene.clip_unit_meters = 0;
     out.scene.skinned.reset();
   }
-  if (app_.count("--groom") > 0) {  // in place of the file's scene
+  if (app_.count("--groom") > 0) {  // replaces the file's scene
     out.scene.groom.assign(groom_.begin(), groom_.end());
     out.scene.length = 0;
   }
-  if (isGiven("--transport")) {  // in place of where the file's goes
+  if (isGiven("--transport")) {  // replaces the file's addresses
     out.peers.clear();
     out.discovery_server.clear();
     out.lcm_url.clear();

@@ -8,23 +8,23 @@
 
 namespace strandcast {
 
-/// How hair fared under a head that moved and then kept still.
+/// Measurements of hair under a head that moved and then kept still.
 struct ShakeResult {
   double step_ms_median = 0;
-  double mean_stretch = 0;  ///< while the head moved: mean over edges and steps of |length / rest length - 1|
-  double max_stretch = 0;   ///< the largest of the same
-  double style_rms = 0;     ///< m, in the end: distance of vertices from the rest shape at the head, rms
-  double style_max = 0;     ///< m, the largest
-  double rest_speed = 0;    ///< m/s, rms over vertices and the steps of the last half second
-  uint64_t moving_strands = 0;  ///< whose own rms speed then is above kRestingSpeed
-  uint64_t strands_reset = 0;   ///< to their rest shape because they went wrong, times they were
-  double max_penetration = 0;   ///< m, at any step
+  double mean_stretch = 0;  ///< while the head moves: mean over edges and steps of |length / rest length - 1|
+  double max_stretch = 0;   ///< largest over edges and steps
+  double style_rms = 0;     ///< m, at the end: rms distance of vertices from the rest shape at the head
+  double style_max = 0;     ///< m, the largest distance
+  double rest_speed = 0;    ///< m/s, rms over vertices and the steps of the last 0.5 s
+  uint64_t moving_strands = 0;  ///< strands whose own rms speed then exceeds kRestingSpeed
+  uint64_t strands_reset = 0;   ///< number of resets of broken strands to their rest shape
+  double max_penetration = 0;   ///< m, largest of all steps
 };
 
-constexpr double kRestingSpeed = 1e-3;  ///< m/s, at which hair counts as at rest
+constexpr double kRestingSpeed = 1e-3;  ///< m/s, below which hair counts as at rest
 
-/// Runs a scene's hair under the scene's motion for `shake` seconds, at whose end the head is back at its
-/// rest pose, and for `rest` seconds more under a still head; step by step, as fast as the caller asks.
+/// Runs a scene's hair under the scene's motion for `shake` seconds, after which the head is at its rest
+/// pose, and for `rest` seconds under a still head. The caller drives the steps.
 class ShakeTrial {
  public:
   /// Throws Error.
@@ -32,9 +32,9 @@ class ShakeTrial {
 
   size_t steps() const { return steps_; }  ///< of the whole trial
   void step();
-  /// The newest guides, head and colliders, as a daemon would cast them.
+  /// Fills a frame with the newest guides, head and colliders, as a daemon would publish them.
   void fill(GuideFrame& frame);
-  /// After the last step.
+  /// Call after the last step.
   ShakeResult result();
 
   Simulation& simulation() { return simulation_; }

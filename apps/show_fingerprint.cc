@@ -33,7 +33,7 @@ void addMaterial(ContentHash& hash, const Material& m) {
     addCurve(hash, *curve);
 }
 
-/// A field by its grid: its samples follow from its mesh and the grid.
+/// Hashes a field by its grid alone: the mesh, hashed separately, and the grid determine its samples.
 void addShape(ContentHash& hash, const ContactPrimitive& shape) {
   hash.add(shape.kind);
   for (const Vec3* const v : {&shape.a, &shape.b, &shape.extent}) hash.add(v->data(), sizeof(Vec3));
@@ -57,7 +57,7 @@ ShowEntry entryOf(const std::string& what, double count, uint64_t hash) {
 constexpr std::string_view kSceneMesh = "mesh of collider ", kAddedMesh = "mesh of added collider ";
 constexpr const char* kUnnamedMeshes = "meshes of colliders without a name";
 
-/// By the hash of the name where that leaves no room.
+/// Prefixes the name; uses its hash where the text would be too long.
 std::string named(std::string_view what, const std::string& name) {
   if (what.size() + name.size() <= kMaxTextBytes) return std::string(what) + name;
   ContentHash hash;

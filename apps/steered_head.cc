@@ -16,7 +16,7 @@ HeadMotion rampTo(const Pose& from, const Pose& to) {
   return [=](double seconds) { return onTheWay(from, to, seconds, kRampSeconds); };
 }
 
-/// A motion that begins at the pose `from`, and not at rest.
+/// Blends from the pose `from` into a motion, over kRampSeconds.
 HeadMotion rampInto(HeadMotion motion, const Pose& from) {
   return [motion = std::move(motion), way = rampTo(from, {})](double seconds) {
     return way(seconds) * motion(seconds);
@@ -31,15 +31,15 @@ bool SteeredHead::operator==(const SteeredHead& other) const {
 }
 
 Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of) {
-  return interpolate(from, to, static_cast<float>(partGone(seconds, of)));
+  return interpolate(from, to, static_cast<float>(easedFraction(seconds, of)));
 }
 
-HeadMotion motionOf(const SteeredHead& course, const HeadMotion& scene, const Vec3& pivot) {
-  switch (course.kind) {
+HeadMotion motionOf(const SteeredHead& steered, const HeadMotion& scene, const Vec3& pivot) {
+  switch (steered.kind) {
     case SteeredHead::Kind::kNamed:
-      return rampInto(proceduralMotion(course.name, pivot), course.from);
+      return rampInto(proceduralMotion(steered.name, pivot), steered.from);
     case SteeredHead::Kind::kPose:
-      return rampTo(course.from, course.to);
+      return rampTo(steered.from, steered.to);
     case SteeredHead::Kind::kScene:
       break;
   }

@@ -5,13 +5,13 @@
 
 namespace strandcast {
 
-/// Where a daemon's head goes, as commands and the scene have set it: as data, so that another daemon can
+/// The motion of a daemon's head as set by commands and the scene. Plain data, so that another daemon can
 /// take it over.
 struct SteeredHead {
   enum class Kind {
     kScene,  ///< the scene's own motion
-    kNamed,  ///< over from `from` to the procedural motion `name`
-    kPose    ///< over from `from` to `to`, and still
+    kNamed,  ///< blends from `from` into the procedural motion `name`
+    kPose    ///< moves from `from` to `to`, then stays
   };
   Kind kind = Kind::kScene;
   std::string name;
@@ -21,11 +21,12 @@ struct SteeredHead {
   bool operator==(const SteeredHead& other) const;
 };
 
-/// Of seconds since course.start. `scene` is the scene's own; procedural motions turn about `pivot`. Throws
-/// Error on a name of no motion.
-HeadMotion motionOf(const SteeredHead& course, const HeadMotion& scene, const Vec3& pivot);
+/// The motion as a function of seconds since steered.start. `scene`: the scene's own motion; procedural
+/// motions turn about `pivot`, m. Throws Error on an unknown motion.
+HeadMotion motionOf(const SteeredHead& steered, const HeadMotion& scene, const Vec3& pivot);
 
-/// From one pose to another and then still, with no jump in velocity.
+/// The pose after `seconds` of a motion from one pose to another over `of` seconds, then still. Velocity is
+/// continuous.
 Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of);
 
 }  // namespace strandcast

@@ -13,10 +13,10 @@
 int main(int argc, char** argv) {
   using namespace strandcast;
   CLI::App app(
-      "strandcast draws, inspects, converts, records and steers simulated hair.\n\n"
-      "Examples:\n"
+      "strandcast draws, inspects, converts, records and steers simulated hair.\n"
+      "\nExamples:\n"
       "  strandcast view --scene curly              simulation and window in one process, no daemon\n"
-      "  strandcast render --frames 60 --out out    draw what a daemon casts, as PNG files\n"
+      "  strandcast render --frames 60 --out out    draw the frames of a daemon as PNG files\n"
       "  strandcast info bob.tfx --json\n"
       "  strandcast validate physics                the solver against exact solutions\n"
       "  strandcast ctl wind 3 0 0");
@@ -28,22 +28,22 @@ int main(int argc, char** argv) {
     CLI::App* verb = app.add_subcommand(name, description);
     verbs.emplace_back(verb, declare(*verb));
   };
-  add("info", "What a groom file holds, or which backends run here", addInfo);
+  add("info", "Print the contents of a groom file, or the backends of this machine", addInfo);
   add("convert", "Rewrite a groom in another format", addConvert);
-  add("bake", "Make the signed distance field of a body mesh", addBake);
+  add("bake", "Bake the signed distance field of a body mesh", addBake);
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "Draw frames into PNG files, with or without a daemon", addRender);
-  add("compare", "Solvers side by side under a shaken head: numbers and pictures", addCompare);
+  add("compare", "Compare solvers under a shaken head: numbers and pictures", addCompare);
 #endif
 #ifdef STRANDCAST_HAS_VIEW
   add("view", "Draw in a window, with or without a daemon", addView);
 #endif
   add("validate", "Score the physics of strands against exact solutions", addValidate);
-  add("record", "Write what a daemon casts into a file", addRecord);
-  add("replay", "Cast a recording again, check it, or repeat its simulation", addReplay);
+  add("record", "Record the frames of a daemon into a file", addRecord);
+  add("replay", "Publish a recording again, check it, or repeat its simulation", addReplay);
   add("ctl", "Steer a running daemon", addCtl);
-  add("keys", "Make the keys of a network where only known programs take part", addKeys);
-  add("wire-reader", "The other process of `validate wire`", addWireReader);
+  add("keys", "Make the keys of a network that admits only known programs", addKeys);
+  add("wire-reader", "Internal: the reading process of `validate wire`", addWireReader);
   verbs.back().first->group("");
   if (const std::optional<int> ended = parseArguments(app, argc, argv)) return *ended;
   spdlog::set_default_logger(spdlog::stderr_color_mt("strandcast"));

@@ -53,10 +53,11 @@ void report(const DaemonSummary& summary, bool json) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "strandcastd simulates a head of hair and casts its guide strands over the network.\n"
+      "strandcastd simulates a head of hair and publishes its guide strands on the network.\n"
       "Draw it elsewhere with `strandcast render` or `strandcast view`; steer it with `strandcast ctl`.\n"
-      "Sources of wind (fans, turbines) come with [[wind]] tables of a --config file, or by `strandcast ctl "
-      "fan`.\n\n"
+      "Sources of wind (fans, turbines) are given by [[wind]] tables of a --config file, or by `strandcast "
+      "ctl fan`.\n"
+      "\n"
       "Examples:\n"
       "  strandcastd --scene curly\n"
       "  strandcastd --groom bob.tfx --body head.obj --unit-meters 1 --motion shake --duration 10");
@@ -66,26 +67,22 @@ int main(int argc, char** argv) {
   std::filesystem::path file;
   CLI::Option* records = app.add_option(
       "--record", file,
-      "also write groom, frames and commands to this file, in place of an old one once it casts: `strandcast "
-      "replay FILE` casts it again, `strandcast replay FILE --resimulate` simulates it again and compares "
-      "every frame. Frames are written with --codec");
+      "also write groom, frames and commands to this file, replacing an old one when publishing starts: "
+      "`strandcast replay FILE` publishes it again, `strandcast replay FILE --resimulate` simulates it again "
+      "and compares every frame. Frames are written with --codec");
   uint32_t grids_every = 0;
-  app.add_option(
-         "--record-grids", grids_every,
-         "also record the grids of air and hair (density, wind, pressure, divergence) of every such "
-         "frame, 1 = of each, where settings use them: `strandcast replay FILE --show wind` draws them")
+  app.add_option("--record-grids", grids_every,
+                 "also record the grids of air and hair (density, wind, pressure, divergence) of every Nth "
+                 "frame, where settings use them: `strandcast replay FILE --show wind` draws them")
       ->transform(wholeRange(1, 1000000))
       ->needs(records);
   uint32_t claim = 0;
   const CLI::Option* claims =
       app.add_option("--claim", claim,
                      "share the groom with other daemons that claim it (DDS), of the same scene and options: "
-                     "the one with "
-                     "the largest number casts, of equal ones the one that came first, the others keep to "
-                     "its show in silence, and within half a "
-                     "second of its end the "
-                     "next goes on with it (a second of one with an equal number). One that joins has the "
-                     "show before it may take over")
+                     "the daemon with the largest number publishes (of equals, the first); the others stand "
+                     "by and take over within 0.5 s of its end (1 s for an equal number). A joining daemon "
+                     "receives the show before it may take over")
           ->transform(wholeRange(0, 4294967295.0));
   app.add_flag("--json", json, "print the closing summary as one JSON object");
   app.add_flag("--quiet", quiet, "log warnings only");
@@ -97,7 +94,7 @@ int main(int argc, char** argv) {
     catchInterrupts();
     if (records->count() > 0 && file.empty())
       throw Error("the recording has no name", "--record ''", "name a file, e.g. --record run.rec");
-    if (!file.empty()) RecordWriter::check(file);  // before a scene is made and the groom claimed
+    if (!file.empty()) RecordWriter::check(file);  // before the scene is made and the groom claimed
     Settings settings = options.resolve();
     if (claims->count() > 0) {
       settings.claim = claim;
@@ -109,9 +106,9 @@ int main(int argc, char** argv) {
                   "name a folder of meshes (--collider-folder)");
     const uint64_t session = newSession();
     GroomClaim groom(settings,
-                     session);  // others hear of this one, and it of them, while the scene is loaded
+                     session);  // rivals hear each other while the scene is loaded
     std::unique_ptr<Publisher> publisher = groom.take();
-    Scene scene = makeSceneAloud(settings.scene, [&] { groom.check(); });
+    Scene scene = makeSceneWithProgress(settings.scene, [&] { groom.check(); });
     RecordingPublisher* recording = nullptr;
     if (!file.empty()) {
       auto recorded = std::make_unique<RecordingPublisher>(std::move(publisher));
@@ -124,7 +121,7 @@ int main(int argc, char** argv) {
       const std::vector<std::string> words(argv + 1, argv + argc);
       if (settings.claim)
         spdlog::warn(
-            "{} can be replayed, not resimulated: the show of a shared groom is not one daemon's alone",
+            "{} can be replayed but not simulated again: a shared groom is the work of several daemons",
             file.string());
       recording->open(file, {settings.groom_id, settings.codec,
                              settings.claim ? ""
@@ -134,8 +131,9 @@ int main(int argc, char** argv) {
     if (grids_every > 0) daemon.setObserver(gridRecorder(*recording, grids_every));
     if (g_interrupted) throw Interrupted();
     daemon.announce();
-    spdlog::info("{} groom {} on {} at {:g} frames/s; Ctrl-C ends it", settings.claim ? "sharing" : "casting",
-                 settings.groom_id, networkName(settings), settings.rate);
+    spdlog::info("{} groom {} on {} at {:g} frames/s; Ctrl-C ends it",
+                 settings.claim ? "sharing" : "publishing", settings.groom_id, networkName(settings),
+                 settings.rate);
     const DaemonSummary summary = daemon.run(g_interrupted);
     const std::string failure = recording != nullptr ? recording->close() : "";
     const bool is_kept = failure.empty() && publisher->failure().empty();

@@ -7,15 +7,14 @@
 
 namespace strandcast {
 
-/// Writes what a subscriber receives into a recording, frame after frame. An old file of that name stays
-/// until there is a groom to write.
+/// Records the frames that a subscriber receives. An existing file of that name is kept until there is a
+/// groom to write.
 class StreamRecording {
  public:
-  /// Frames that the subscriber keeps meanwhile: a second in which the disk or the processor is busy, at 60
-  /// a second.
+  /// Frames that the subscriber queues meanwhile: about a second of a busy disk or processor at 60 a second.
   static constexpr size_t kFramesKept = 64;
 
-  /// Throws Error when the file cannot be made. `subscriber` outlives it.
+  /// Throws Error where the file cannot be created. `subscriber` must outlive this.
   StreamRecording(Subscriber& subscriber, const std::filesystem::path& file, const RecordingOptions& options)
       : subscriber_(subscriber), recorder_(file, options, MakeFile::kWithGroom) {
     subscriber_.keepFrames(kFramesKept);
@@ -24,13 +23,13 @@ class StreamRecording {
   StreamRecording(const StreamRecording&) = delete;
   StreamRecording& operator=(const StreamRecording&) = delete;
 
-  /// Waits for the next frame and writes it, where it is of another moment than the last; false when none
-  /// came in time. Throws Error as Recorder.
+  /// Waits for the next frame and writes it unless its time equals the last one's; false on timeout. Throws
+  /// Error as Recorder.
   bool take(std::chrono::milliseconds timeout);
   void close() { recorder_.close(); }
 
   const Recorder& recorder() const { return recorder_; }
-  /// That were lost on the way or came faster than they could be written.
+  /// Frames lost on the network or dropped because writing was slower than the stream.
   uint64_t skipped() const { return skipped_; }
 
  private:

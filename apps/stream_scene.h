@@ -5,15 +5,16 @@
 
 namespace strandcast {
 
-/// Groom and body that a stream's frames are drawn or recorded with.
+/// The groom and body that a stream's frames are drawn or recorded with.
 struct StreamScene {
   std::shared_ptr<const GroomDescription> groom;
   std::shared_ptr<const BodyDescription> body;
 
-  /// What has come so far. Each comes by itself: one may be missing, or they may be of two daemons.
+  /// What has arrived so far. Groom and body arrive separately: one may be missing, or they may be of two
+  /// daemons.
   static StreamScene of(const Subscriber& subscriber) { return {subscriber.groom(), subscriber.body()}; }
 
-  /// Whether both are there and of the frame's session and revision.
+  /// Whether both have arrived and match the frame's session and revision.
   bool fits(const GuideFrame& frame) const {
     const auto is_of_it = [&](const auto& description) {
       return description && description->session == frame.session && description->revision == frame.revision;

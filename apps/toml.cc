@@ -9,14 +9,15 @@
 namespace strandcast {
 namespace {
 
-/// Where the string whose opening quote is at `at` ends; where its line does when it is not closed.
+/// The end of the string whose opening quote is at `at`; the end of its line where the string is not closed.
 size_t endOfString(const std::string& text, size_t at) {
   const std::string quote(text.compare(at, 3, std::string(3, text[at])) == 0 ? 3 : 1, text[at]);
   for (size_t i = at + quote.size(); i < text.size(); ++i) {
     if (text[i] == '\\' && quote[0] == '"') {
       ++i;
     } else if (text.compare(i, quote.size(), quote) == 0) {
-      const size_t most = std::min(i + (quote.size() == 3 ? 5 : 1), text.size());  // two may be the string's
+      const size_t most = std::min(i + (quote.size() == 3 ? 5 : 1),
+                                   text.size());  // two may be text
       size_t end = i + quote.size();
       while (end < most && text[end] == quote[0]) ++end;
       return end;
@@ -27,7 +28,7 @@ size_t endOfString(const std::string& text, size_t at) {
   return text.size();
 }
 
-/// Every part of a dotted key nests toml++'s calls deeper: very many run out of stack.
+/// toml++ recurses once per part of a dotted key: very many parts overflow the stack.
 void refuseLongKeys(const std::string& text, const std::string& name) {
   constexpr int kMostParts = 64;
   const std::string ends_of_keys = "\n=,[]{}";
@@ -36,7 +37,7 @@ void refuseLongKeys(const std::string& text, const std::string& name) {
     const char c = text[i];
     if (ends_of_keys.find(c) != std::string::npos) parts = 1;
     if (c == '.' && ++parts > kMostParts)
-      throw Error(fmt::format("a key of more than {} parts", kMostParts),
+      throw Error(fmt::format("a key has more than {} parts", kMostParts),
                   fmt::format("{} line {}", name, line), "is it the right file?");
     const size_t end = c == '#'                ? std::min(text.find('\n', i), text.size())
                        : c == '"' || c == '\'' ? endOfString(text, i)

@@ -1,6 +1,5 @@
 #pragma once
-// toml++ as all of the project includes it: 3.3 asserts on some malformed keys, and a file must never end the
-// program.
+// The one include of toml++. Version 3.3 asserts on some malformed keys; a file must never end the program.
 #define TOML_HEADER_ONLY 1
 #include <stdexcept>
 #include <string>
@@ -9,7 +8,7 @@
 #define TOML_ASSERT(condition) ((condition) ? static_cast<void>(0) : refuseMalformedToml())
 #define TOML_ASSERT_ASSUME(condition) TOML_ASSERT(condition)
 
-// 3.3 calls it unreachable that a character which is not ASCII is no blank: it is none.
+// Version 3.3 marks as unreachable that a non-ASCII character is not white space, though it is reachable.
 #include <toml++/impl/preprocessor.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE
@@ -20,7 +19,7 @@
 
 namespace strandcast {
 
-/// Throws Error, naming `name` and the line, on what is not TOML.
+/// Throws Error, naming `name` and the line, on invalid TOML.
 toml::table parsedToml(const std::string& text, const std::string& name);
 
 }  // namespace strandcast

@@ -14,9 +14,9 @@
 #include "apps/verbs.h"
 #include "collision/field_bake.h"
 #include "core/error.h"
-#include "groom/distance_field_file.h"
-#include "groom/file_bytes.h"
-#include "groom/mesh_file.h"
+#include "io/distance_field_file.h"
+#include "io/file_bytes.h"
+#include "io/mesh_file.h"
 #include "scenes/field_cache.h"
 #ifdef STRANDCAST_HAS_RENDER
 #include "apps/field_slices.h"
@@ -44,14 +44,14 @@ void announce(const FieldBaker& baker, const std::string& file) {
              "{}: {} triangles, cells of {:.3g} mm: about {} bricks{}, {:.1f} MiB, and {:.1f} MiB while "
              "baking; about {:.1f} s; Ctrl-C stops it\n",
              file, baker.repair().triangles, 1e3 * baker.options().cell, e.bricks,
-             baker.mesh().open_edges.empty() ? "" : " and more about lids of openings",
+             baker.mesh().open_edges.empty() ? "" : " and more near lids of openings",
              mebibytes(e.field_bytes), mebibytes(e.working_bytes), e.seconds);
 }
 
 struct Baked {
   DistanceField field;
   bool from_cache = false;
-  bool is_kept = false;  ///< it is in the cache
+  bool is_kept = false;  ///< is in the cache
   double seconds = 0;
 };
 
@@ -68,7 +68,7 @@ Baked bakeOrFind(FieldBaker& baker, uint64_t key, const BakeOptions& o, Progress
   if (std::optional<DistanceField> found = cache.find(key, &trouble))
     return {std::move(*found), true, true, since()};
   bar.clear();
-  if (!trouble.empty()) fmt::print(stderr, "warning: {}; it is baked anew\n", trouble);
+  if (!trouble.empty()) fmt::print(stderr, "warning: {}; the field is baked again\n", trouble);
   announce(baker, o.file);
   Baked baked{baker.bake(progress), false, false, since()};
   try {
@@ -92,17 +92,17 @@ Report report(const BakeOptions& o, const Box& box, const FieldBaker& baker, con
           fmt::format("{:.3f} x {:.3f} x {:.3f} m", size.x(), size.y(), size.z()));
   out.addCount("triangles", "triangles", baker.repair().triangles);
   out.addCount("triangles_without_area", "  without area", baker.mesh().without_area);
-  out.addCount("repeated_triangles", "  left out, as others have the same corners", baker.repair().repeated);
-  out.addCount("inner_triangles", "  left out, as they divide the inside", baker.repair().inner);
-  out.addCount("turned_triangles", "  turned, as their neighbours are wound",
+  out.addCount("repeated_triangles", "  left out: duplicates", baker.repair().repeated);
+  out.addCount("inner_triangles", "  left out: interior walls", baker.repair().inner);
+  out.addCount("turned_triangles", "  turned: wound against their neighbours",
                baker.repair().turned_triangles);
   out.addCount("pieces", "pieces", baker.repair().pieces);
-  out.addCount("turned_pieces", "  turned, as they were inside out", baker.repair().turned_pieces);
-  out.addCount("hollow_pieces", "  taken as hollows within others", baker.repair().hollows);
+  out.addCount("turned_pieces", "  turned: pieces inside out", baker.repair().turned_pieces);
+  out.addCount("hollow_pieces", "  taken as hollows inside others", baker.repair().hollows);
   out.addCount("hidden_triangles", "triangles with inside on both sides", baker.hiddenTriangles());
   out.addCount("open_edges", "open edges", baker.mesh().open_edges.size());
   out.add("doubtful_percent", "side in doubt", 100 * baker.shareInDoubt(), "% of the surface", 2);
-  out.add("unclear_percent", "side in doubt (winding number near a half)", share * a.unclear, "% of the band",
+  out.add("unclear_percent", "side in doubt (winding number near 0.5)", share * a.unclear, "% of the band",
           2);
   out.add("cell_mm", "cell", 1e3 * grid.cell, "mm", 3);
   out.add("band_mm", "band", 1e3 * grid.band, "mm", 3);
@@ -150,7 +150,7 @@ int bake(BakeOptions o) {
       accuracy = baker.measure(baked.field, kMeasuredPoints, progress);
     } catch (const BakeStopped&) {
       bar.clear();
-      fmt::print(stderr, "stopped before the field was measured: {} was not written{}\n", o.out,
+      fmt::print(stderr, "interrupted before the field was measured: {} was not written{}\n", o.out,
                  baked.is_kept ? "; the field is in the cache, where the next bake finds it" : "");
       return kExitInterrupted;
     }
@@ -164,7 +164,7 @@ int bake(BakeOptions o) {
     if (!baked.field.hasInside()) fmt::print(stderr, "warning: {}: {}\n", o.file, kNoInside);
     report(o, mesh.bounds(), baker, baked, *accuracy).print(o.json);
   } catch (const BakeStopped&) {
-    fmt::print(stderr, "stopped; nothing was written\n");
+    fmt::print(stderr, "interrupted; nothing was written\n");
     return kExitInterrupted;
   }
   return 0;
@@ -175,32 +175,36 @@ int bake(BakeOptions o) {
 Verb addBake(CLI::App& app) {
   const auto o = std::make_shared<BakeOptions>();
   app.footer(
-      "The mesh may be open, intersect itself or have parts inside one another; triangles that are wound "
-      "the\n"
-      "wrong way or are there twice are mended, and a warning says how many. Says before it starts what it\n"
-      "will take, and afterwards how far the field is from the exact distance.\n"
-      "Cell: sqrt(diagonal of the body x hair radius / 8): over a sphere of an eighth of the diagonal the\n"
-      "field errs by a quarter of the hair's radius. Band: four cells and the hair's radius.\n"
+      "The mesh may be open, intersect itself or have parts inside one another. Wrongly wound and duplicate\n"
+      "triangles are repaired, and a warning says how many. The verb prints the expected time and memory "
+      "before\n"
+      "the bake, and the error of the field against the exact distance after it.\n"
+      "Default cell: sqrt(diagonal of the body x hair radius / 8): on a sphere with a radius of 1/8 of the "
+      "diagonal\n"
+      "the field errs by a quarter of the hair's radius. Default band: four cells and the hair's radius.\n"
       "Example: strandcast bake head.obj --unit-meters 0.01 --cell 0.002 --slices slices");
   app.add_option("FILE", o->file, "body mesh: .obj, .gltf or .glb")->required();
-  app.add_option("--out", o->out, "field to write; FILE's name with .sdf in this folder if not given");
+  app.add_option("--out", o->out, "field to write; default: FILE's name with .sdf in the current folder");
   app.add_option("--cell", o->field.cell, "edge of a cell, m")->check(finiteRange(1e-6, 1e3));
-  app.add_option("--band", o->field.band, "how far from the surface the field is stored finely, m")
+  app.add_option("--band", o->field.band,
+                 "distance from the surface up to which the field is stored at full resolution, m")
       ->check(finiteRange(2e-6, 1e6));
-  app.add_option("--hair-radius", o->field.hair_radius, "m, what cell and band follow from")
+  app.add_option("--hair-radius", o->field.hair_radius,
+                 "hair radius, m, from which the default cell and band follow")
       ->check(finiteRange(1e-6, 5e-3))
       ->capture_default_str();
-  app.add_option("--unit-meters", o->unit_meters, "metres per unit of FILE; if not given, 1 for glTF, guessed for .obj")
+  app.add_option("--unit-meters", o->unit_meters,
+                 "metres per unit of FILE; default: 1 for glTF, guessed for .obj")
       ->check(finiteRange(1e-6, 1000.0));
-  app.add_option("--up", o->up, "up axis of FILE; y if not given")->check(CLI::IsMember({"auto", "x", "y", "z"}));
-  app.add_option("--threads", o->limits.threads, "0 = all; the field does not depend on it")
+  app.add_option("--up", o->up, "up axis of FILE; default: y")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  app.add_option("--threads", o->limits.threads, "threads; 0 = all; the field does not depend on it")
       ->transform(wholeRange(0, 1024));
-  app.add_option("--memory", o->memory_mib, "MiB that the bake may use; refused above")
+  app.add_option("--memory", o->memory_mib, "memory limit, MiB; a bake that needs more is refused")
       ->transform(wholeRange(1, 1 << 24))
       ->capture_default_str();
-  auto* cache = app.add_option("--cache", o->cache,
-                               "folder of fields by content; XDG_CACHE_HOME/strandcast if not given");
-  app.add_flag("--no-cache", o->no_cache, "neither look there nor keep it")->excludes(cache);
+  auto* cache =
+      app.add_option("--cache", o->cache, "folder of cached fields; default: XDG_CACHE_HOME/strandcast");
+  app.add_flag("--no-cache", o->no_cache, "neither read nor write the cache")->excludes(cache);
 #ifdef STRANDCAST_HAS_RENDER
   app.add_option("--slices", o->slices, "folder for pictures of slices through the field")
       ->check([](const std::string& folder) { return folder.empty() ? "name a folder" : std::string(); }, "");

@@ -35,10 +35,10 @@ struct CompareOptions {
   CLI::Option* movie_option = nullptr;
 };
 
-/// Draws the same scene as every solver has it from one camera into one picture, side by side.
+/// Draws the scene under every solver with one camera into one picture, side by side.
 class SideBySide {
  public:
-  /// `simulation` is one of them.
+  /// `simulation`: any of the trials'.
   SideBySide(const CompareOptions& options, PictureFolder& folder, const Scene& scene,
              const Simulation& simulation)
       : folder_(folder), renderer_(renderSettings(options.picture)) {
@@ -84,17 +84,17 @@ class SideBySide {
 
 struct Quantity {
   const char *key, *label, *unit;
-  double scale;  // of the unit, per SI
+  double scale;  // factor from SI to `unit`
   double ShakeResult::*value;
 };
 constexpr Quantity kMeasured[] = {
     {"step_ms_median", "step, median", "ms", 1, &ShakeResult::step_ms_median},
     {"mean_stretch_percent", "shaken: mean stretch", "%", 1e2, &ShakeResult::mean_stretch},
     {"max_stretch_percent", "shaken: largest stretch", "%", 1e2, &ShakeResult::max_stretch},
-    {"style_rms_mm", "rested: off the style, rms", "mm", 1e3, &ShakeResult::style_rms},
-    {"style_max_mm", "rested: off the style, farthest", "mm", 1e3, &ShakeResult::style_max},
+    {"style_rms_mm", "rested: style error, rms", "mm", 1e3, &ShakeResult::style_rms},
+    {"style_max_mm", "rested: style error, largest", "mm", 1e3, &ShakeResult::style_max},
     {"rest_speed_mm_s", "rested: speed, rms", "mm/s", 1e3, &ShakeResult::rest_speed},
-    {"max_penetration_mm", "deepest in a body", "mm", 1e3, &ShakeResult::max_penetration}};
+    {"max_penetration_mm", "largest penetration", "mm", 1e3, &ShakeResult::max_penetration}};
 struct Count {
   const char *key, *label;
   uint64_t ShakeResult::*value;
@@ -136,7 +136,7 @@ void report(const CompareOptions& o, const Scene& scene, std::deque<ShakeTrial>&
   const std::string device = trials.front().simulation().backend().device();
   const std::string pictures = o.no_pictures ? "" : (o.out / "frame_*.png").string();
   if (!o.json) {
-    fmt::print("{}: {} strands, {} vertices, shaken {:g} s, then still {:g} s, on {} ({})\n", scene.name,
+    fmt::print("{}: {} strands, {} vertices, shaken {:g} s, then at rest {:g} s, on {} ({})\n", scene.name,
                model.strands(), model.vertices(), o.shake, o.rest, backend, device);
     printTable(o.solvers, results);
     if (!pictures.empty()) fmt::print("pictures: {}, left to right as the columns\n", pictures);
@@ -165,7 +165,7 @@ int compare(const CompareOptions& o) {
   if (o.movie_option->count() > 0) checkMovie(o.movie);
   std::optional<PictureFolder> folder;
   if (!o.no_pictures) folder.emplace(o.out);
-  const Scene scene = makeSceneAloud(settings.scene);
+  const Scene scene = makeSceneWithProgress(settings.scene);
   std::deque<ShakeTrial> trials;
   for (const std::string& solver : o.solvers) {
     settings.solver = solverKind(solver);
@@ -188,7 +188,7 @@ int compare(const CompareOptions& o) {
     }
   }
   if (g_interrupted) {
-    spdlog::warn("interrupted: nothing to report before the hair has rested");
+    spdlog::warn("interrupted before the end of the rest: nothing to report");
     return kExitInterrupted;
   }
   if (pictures && o.movie_option->count() > 0)
@@ -203,9 +203,10 @@ Verb addCompare(CLI::App& app) {
   const auto o = std::make_shared<CompareOptions>();
   app.footer(
       "Each solver has the same scene, steps and parameters. The head moves (--motion, by default shake),\n"
-      "comes back to its rest pose and keeps still. Told of each solver: the time of a step; how far edges\n"
-      "stretch while the head moves; how far vertices are from the groomed shape in the end, and how fast\n"
-      "they are in the last half second.\n"
+      "returns to its rest pose and stays there. Reported per solver: the time of a step; the stretch of "
+      "edges\n"
+      "while the head moves; the distance of vertices from the groomed shape at the end, and their speed\n"
+      "in the last half second.\n"
       "Examples:\n"
       "  strandcast compare --scene curly --no-pictures\n"
       "  strandcast compare --groom bob.tfx --body head.obj --unit-meters 0.01 --width 640 --out film");
@@ -213,21 +214,22 @@ Verb addCompare(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember({"rod", "gauss_seidel"}))
       ->capture_default_str();
-  app.add_option("--shake", o->shake, "seconds that the head moves")
+  app.add_option("--shake", o->shake, "duration of the head's motion, s")
       ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
-  app.add_option("--rest", o->rest, "seconds that it keeps still after that")
+  app.add_option("--rest", o->rest, "duration of the rest after the motion, s")
       ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
-  app.add_option("--out", o->out, "folder for frame_0000.png and on; --width is that of each solver's part")
+  app.add_option("--out", o->out,
+                 "folder for frame_0000.png and following; --width applies to each solver's part")
       ->capture_default_str();
-  auto* frames =
-      app.add_option("--frames", o->frames, "pictures, evenly over the whole time; at most one a step")
-          ->transform(wholeRange(1, 1000000))
-          ->capture_default_str();
+  auto* frames = app.add_option("--frames", o->frames,
+                                "number of pictures, evenly over the whole time; at most one per step")
+                     ->transform(wholeRange(1, 1000000))
+                     ->capture_default_str();
   auto* movie = o->movie_option =
-      app.add_option("--movie", o->movie, "also join the pictures into this film, with ffmpeg, in real time");
-  app.add_flag("--no-pictures", o->no_pictures, "numbers only; needs no OpenGL")
+      app.add_option("--movie", o->movie, "also encode the pictures as this real-time film, with ffmpeg");
+  app.add_flag("--no-pictures", o->no_pictures, "print numbers only; needs no OpenGL")
       ->excludes(frames)
       ->excludes(movie);
   app.add_flag("--json", o->json, "print one JSON object");

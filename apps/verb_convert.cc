@@ -8,8 +8,8 @@
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "groom/clean.h"
-#include "groom/file_bytes.h"
-#include "groom/groom_file.h"
+#include "groom/load_groom.h"
+#include "io/file_bytes.h"
 
 namespace strandcast {
 namespace {
@@ -21,7 +21,8 @@ struct ConvertOptions {
   bool clean = false;
 };
 
-/// What resampling got into one place goes, but for .tfx, whose strands all have one count of vertices.
+/// Removes coincident vertices that resampling produced, except for .tfx, whose strands all have one vertex
+/// count.
 void cleanAgain(StrandSet& strands, const std::string& out) {
   Groom groom;
   groom.strands = strands;
@@ -29,8 +30,9 @@ void cleanAgain(StrandSet& strands, const std::string& out) {
   const size_t merged = groom.report.duplicate_vertices, dropped = groom.report.dropped_short;
   const bool keeps_all = lowerExtension(out) == ".tfx";
   if (merged + dropped > 0)
-    spdlog::warn("{}: {} vertices in the place of a neighbour and {} strands too short to simulate are {}",
-                 out, merged, dropped, keeps_all ? "kept, as .tfx has one count of vertices" : "left out");
+    spdlog::warn("{}: {} vertices at the position of a neighbour and {} strands too short to simulate are {}",
+                 out, merged, dropped,
+                 keeps_all ? "kept, because .tfx has one vertex count for all strands" : "left out");
   if (!keeps_all) strands = std::move(groom.strands);
 }
 
@@ -62,7 +64,7 @@ int convert(const ConvertOptions& o) {
   }
   writeGroom(o.out, strands, up, unit_meters);
   if (unit_meters == 0 && lowerExtension(o.out) == ".usda")
-    spdlog::warn("{}: {} does not say its unit; readers take centimetres for it; give --unit-meters", o.out,
+    spdlog::warn("{}: {} does not give its unit; readers assume centimetres; give --unit-meters", o.out,
                  o.in);
   const std::vector<std::string> left_out = leftOutOf(o.out, strands);
   if (!left_out.empty())
@@ -79,10 +81,9 @@ int convert(const ConvertOptions& o) {
 Verb addConvert(CLI::App& app) {
   const auto o = std::make_shared<ConvertOptions>();
   app.footer(
-      "Positions pass through bit for bit unless --clean, --unit-meters, --up or --vertices asks for a "
-      "change; between .hair, where Z is up, and the others, where Y is, they are turned. .tfx keeps pins "
-      "and UVs, .hair radii, .usda UVs and radii; "
-      "what is left out is warned of.\n"
+      "Positions are copied bit for bit unless --clean, --unit-meters, --up or --vertices changes them. "
+      "Between .hair (Z up) and the other formats (Y up) they are rotated. .tfx keeps pins and UVs, .hair "
+      "radii, .usda UVs and radii; a warning names what is left out.\n"
       "Example: strandcast convert bob.tfx bob.hair");
   app.add_option("IN", o->in, "groom to read: .tfx (3 and 4), .hair, .obj polylines, .usda curves")
       ->required();

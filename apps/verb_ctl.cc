@@ -39,20 +39,20 @@ struct CtlOptions {
   double timeout = 10;  // s
   std::string name, shape;
   std::vector<double> values;
-  std::vector<std::string> words;   ///< behind a collider's shape: numbers, or a file
-  std::vector<double> at;           ///< of a collider of a file
-  float unit_meters = 0, cell = 0;  ///< the same
+  std::vector<std::string> words;   ///< after a collider's shape: numbers, or a file
+  std::vector<double> at;           ///< position of a collider from a file
+  float unit_meters = 0, cell = 0;  ///< of a collider from a file
   bool follows_head = false;
   double friction = static_cast<double>(ContactPrimitive().friction);
   double seconds = kRampSeconds;
   std::vector<double> direction;
-  std::map<std::string, double> numbers;  ///< of windSourceNumbers(), those given
+  std::map<std::string, double> numbers;  ///< values of windSourceNumbers() that were given
 };
 
-/// Of any number. CLI11 by itself takes an empty text for 0.
+/// Accepts any finite number. CLI11 alone takes an empty text for 0.
 CLI::Validator finiteNumber() { return inRange({}); }
 
-/// Leaves out the least count of a positional's numbers, which CLI11 tells as if it were the only one.
+/// Omits the minimum count of a positional's numbers, which CLI11 prints as if it were the only one.
 class PlainUsage final : public CLI::Formatter {
  public:
   std::string make_option_usage(const CLI::Option* option) const override {
@@ -61,7 +61,7 @@ class PlainUsage final : public CLI::Formatter {
   }
 };
 
-/// Polls until `ready` gives true; false on timeout. Throws Interrupted.
+/// Polls until `ready` returns true; false on timeout. Throws Interrupted.
 bool waitUntil(double seconds, const std::function<bool()>& ready) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (!ready()) {
@@ -72,14 +72,15 @@ bool waitUntil(double seconds, const std::function<bool()>& ready) {
   return true;
 }
 
-/// What to warn of where the daemon tells that the parameter which a command has set does nothing.
+/// The warning where the daemon's status says that the parameter set by the command has no effect; else
+/// empty.
 std::string voidOf(const Command& command, const std::optional<Status>& status) {
   if (command.kind != CommandKind::kSetParameter || !status) return {};
   for (const auto& [name, values] : toldOf(status->parameters, kToldVoid)) {
     if (name != command.name) continue;
     const std::string need = needOf(name);
-    return fmt::format("parameter '{}' is set, and does nothing as the others are{}", name,
-                       need.empty() ? "" : ": " + need);
+    return fmt::format("parameter '{}' is set, but has no effect with the present values of the others{}",
+                       name, need.empty() ? "" : ": " + need);
   }
   return {};
 }
@@ -99,13 +100,12 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
     return wait.isOver(subscriber->status());
   });
   if (!refusal)
-    throw Error(
-        "the daemon did not answer",
-        fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
-        kind == CommandKind::kAddColliderFile
-            ? "a large mesh takes long: the collider may come yet, see `strandcast ctl collider list`, "
-              "and --timeout to wait for longer"
-            : "see `strandcast ctl list`");
+    throw Error("the daemon did not answer",
+                fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
+                kind == CommandKind::kAddColliderFile
+                    ? "a large mesh takes long, so the collider may still be added: see `strandcast ctl "
+                      "collider list`, or wait longer with --timeout"
+                    : "see `strandcast ctl list`");
   if (!refusal->empty()) throw Error("the daemon refused", *refusal, "");
   nlohmann::json answer = {{"command", command.id}, {"accepted", true}};
   if (const std::string doubt = voidOf(command, subscriber->status()); !doubt.empty()) {
@@ -116,7 +116,7 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
   return 0;
 }
 
-/// Of a parameter that this program knows the count of values is checked here; the daemon may know others.
+/// Checks the number of values for parameters that this program knows; the daemon may know others.
 int setParameter(const CtlOptions& o) {
   for (const ParameterInfo& info : parameterList())
     if (info.name == o.name && o.values.size() != static_cast<size_t>(info.components))
@@ -130,7 +130,7 @@ double bytesPerVertex(const Status& s) {
   return s.vertices > 0 ? static_cast<double>(s.encoding.frame_bytes) / static_cast<double>(s.vertices) : 0;
 }
 
-/// A value that came as a float, in as few digits as tell it.
+/// The shortest text of a value that arrived as a float.
 std::string numberText(double value) { return fmt::format("{}", static_cast<float>(value)); }
 
 nlohmann::json parametersJson(const Status& s) {
@@ -173,7 +173,8 @@ nlohmann::json toJson(const Status& s) {
 
 int list(const CtlOptions& o) {
   const std::unique_ptr<Subscriber> subscriber = steer(o.network);
-  waitUntil(std::min(o.timeout, 1.5), [] { return false; });  // every daemon speaks twice a second
+  waitUntil(std::min(o.timeout, 1.5), [] { return false; });  // every daemon publishes a status twice a
+                                                              // second
   const std::vector<Status> all = subscriber->allStatuses();
   if (o.json) {
     nlohmann::json out = nlohmann::json::array();
@@ -193,10 +194,10 @@ int list(const CtlOptions& o) {
   return 0;
 }
 
-/// Of the daemon that casts.
+/// The newest status of the casting daemon.
 Status statusOf(const CtlOptions& o, const Subscriber& subscriber) {
   std::optional<Status> status;
-  // A daemon that starts has named itself before it knows its hair.
+  // A starting daemon publishes statuses before its hair is loaded.
   const auto casts = [&] { return (status = subscriber.status()).has_value() && status->strands > 0; };
   if (!waitUntil(o.timeout, casts))
     throw Error(status ? "the daemon is still starting" : "no daemon",
@@ -250,7 +251,7 @@ constexpr ShapeForm kShapes[] = {
 
 const char* fileKindName(PrimitiveKind kind) { return kind == PrimitiveKind::kConvex ? "convex" : "mesh"; }
 
-/// Throws Error where there is none of that name.
+/// Throws Error on an unknown shape.
 const ShapeForm& shapeNamed(std::string kind) {
   std::replace(kind.begin(), kind.end(), '-', '_');
   std::vector<std::string> names;
@@ -261,12 +262,12 @@ const ShapeForm& shapeNamed(std::string kind) {
   for (const PrimitiveKind file : {PrimitiveKind::kField, PrimitiveKind::kConvex})
     names.emplace_back(fileKindName(file));
   const std::string near = didYouMean(kind, names);
-  throw Error("there is no shape '" + kind + "'", "strandcast ctl collider add",
+  throw Error("unknown shape '" + kind + "'", "strandcast ctl collider add",
               fmt::format("{}choose one of {}", near.empty() ? "" : near + " ", fmt::join(names, ", ")));
 }
 
-/// The values of kAddCollider: the shape is at the origin of the collider, and the collider where it is asked
-/// to be; with the head, the shape itself is there.
+/// The values of kAddCollider. A free collider has the pose, and its shape is at its origin; one that follows
+/// the head has the pose in its shape.
 std::vector<double> colliderValues(const ShapeForm& form, const std::vector<double>& v, bool follows_head,
                                    double friction) {
   if (v.size() != form.numbers)
@@ -319,7 +320,7 @@ nlohmann::json toJson(const Vec3& v) {
 
 std::string vectorText(const Vec3& v) { return fmt::format("{:.4g} {:.4g} {:.4g}", v.x(), v.y(), v.z()); }
 
-/// "sphere", "3 sphere, 1 box": what a collider consists of.
+/// A summary of a collider's shapes: "sphere", "3 sphere, 1 box".
 std::string shapesText(const Collider& collider) {
   std::map<std::string, size_t> counts;
   for (const ContactPrimitive& shape : collider.shapes) ++counts[kindName(shape.kind)];
@@ -330,7 +331,7 @@ std::string shapesText(const Collider& collider) {
   return text;
 }
 
-/// m, of its first shape; of a field, which is in no one place, how far it has come from where it is made.
+/// m, position of the first shape; of a field, its displacement from where it was baked.
 Vec3 placeOf(const Collider& collider, const Pose& pose) {
   const ContactPrimitive& shape = collider.shapes[0];
   return shape.kind == PrimitiveKind::kField ? pose.position : pose.apply(shape.a);
@@ -347,9 +348,9 @@ int listColliders(const CtlOptions& o) {
     return set && frame && set->session == frame->session;
   };
   if (!waitUntil(o.timeout, complete))
-    throw Error("the daemon's colliders have not come",
+    throw Error("the daemon's colliders were not received",
                 fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
-                "does it cast frames?");
+                "does it publish frames?");
   std::map<uint32_t, std::string> names;
   for (const auto& [name, ids] : toldOf(status.parameters, kToldCollider))
     for (const Collider& collider : set->colliders)
@@ -361,7 +362,8 @@ int listColliders(const CtlOptions& o) {
     nlohmann::json object = {{"id", collider.id}, {"follows_head", collider.follows_head}};
     object["name"] = is_named ? nlohmann::json(names[collider.id]) : nlohmann::json();
     for (const ContactPrimitive& shape : collider.shapes) object["shapes"].push_back(kindName(shape.kind));
-    std::string where = "with the head, " + vectorText(collider.shapes[0].a) + " at its rest";
+    std::string where =
+        "follows the head, at " + vectorText(collider.shapes[0].a) + " in the head's rest pose";
     for (const PlacedCollider& placed : frame->colliders) {
       if (placed.id != collider.id) continue;
       const Vec3 place = placeOf(collider, placed.pose);
@@ -378,7 +380,7 @@ int listColliders(const CtlOptions& o) {
   return 0;
 }
 
-/// The command of a shape that is made of a file; nothing where it is of another kind.
+/// The command for a collider from a file; empty for other kinds.
 std::optional<Command> fileColliderOf(const CtlOptions& o) {
   ColliderFile collider;
   if (o.shape == fileKindName(PrimitiveKind::kConvex))
@@ -387,7 +389,7 @@ std::optional<Command> fileColliderOf(const CtlOptions& o) {
     return std::nullopt;
   if (o.words.size() != 1)
     throw Error("a " + o.shape + " takes the name of one file", "strandcast ctl collider add",
-                "give it as it is called in the daemon's --collider-folder; its place follows --at");
+                "give its name in the daemon's --collider-folder; its place follows --at");
   collider.name = o.name;
   collider.file = o.words.front();
   collider.follows_head = o.follows_head;
@@ -396,7 +398,7 @@ std::optional<Command> fileColliderOf(const CtlOptions& o) {
   collider.unit_meters = o.unit_meters;
   collider.cell = o.cell;
   const Command command = colliderFileCommand(collider);
-  colliderFileOf(command, "strandcast ctl collider add");  // before it is asked for
+  colliderFileOf(command, "strandcast ctl collider add");  // validated before it is sent
   return command;
 }
 
@@ -411,8 +413,8 @@ int addCollider(const CtlOptions& o) {
   if (const std::optional<Command> command = fileColliderOf(o))
     return sendCommand(o, command->kind, command->name, command->values);
   if (!o.at.empty() || o.unit_meters > 0 || o.cell > 0)
-    throw Error("--at, --unit-meters and --cell are of a mesh or a convex body",
-                "strandcast ctl collider add", "a shape's numbers say where it is and how large, in metres");
+    throw Error("--at, --unit-meters and --cell apply only to a mesh or a convex body",
+                "strandcast ctl collider add", "the numbers of a shape give its place and size in metres");
   const ShapeForm& form = shapeNamed(o.shape);
   return sendCommand(o, CommandKind::kAddCollider, o.name,
                      colliderValues(form, numbersOf(o.words), o.follows_head, o.friction));
@@ -422,38 +424,40 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
   app.require_subcommand(1);
   std::string shapes;
   for (const ShapeForm& form : kShapes) shapes += fmt::format("\n  {:<16} {}", form.name, form.help);
-  CLI::App* add = app.add_subcommand("add", "a body that hair collides with, for as long as the daemon runs");
-  add->add_option("NAME", o->name, "of its own")->required();
-  add->add_option("SHAPE", o->shape, "what it is")->required();
+  CLI::App* add = app.add_subcommand("add", "add a body that hair collides with, until the daemon ends");
+  add->add_option("NAME", o->name, "unique name")->required();
+  add->add_option("SHAPE", o->shape, "kind of shape")->required();
   shapes += "\n  mesh, convex     FILE: any mesh, or a closed convex one, of the daemon's --collider-folder";
-  add->add_option("VALUE", o->words, "m, in the world:" + shapes)
+  add->add_option("VALUE", o->words, "numbers of the shape, m, in the world:" + shapes)
       ->expected(1, 8)
       ->option_text("4 to 8 NUMBERS, or FILE REQUIRED")
       ->required();
   add->add_option("--at", o->at,
-                  "where a mesh or a convex body is, m, and how it is turned, degrees; else as in its file")
+                  "place, m, and rotation, degrees, of a mesh or a convex body; default: as in its file")
       ->expected(3, 6)
       ->option_text("X Y Z [YAW [PITCH [ROLL]]]")
       ->check(finiteNumber());
-  add->add_option("--unit-meters", o->unit_meters,
-                  "metres per unit of FILE; else 1 for glTF, and for .obj as of the daemon's groom files")
+  add->add_option(
+         "--unit-meters", o->unit_meters,
+         "metres per unit of FILE; default: 1 for glTF; the unit of the daemon's groom files for .obj")
       ->check(finiteRange(1e-6, 1000.0));
   add->add_option("--cell", o->cell,
-                  "edge of a cell of a mesh's distance field, m; else as of the daemon's body")
+                  "edge of a cell of a mesh's distance field, m; default: that of the daemon's body")
       ->check(finiteRange(1e-6, 1e3));
-  add->add_flag("--head", o->follows_head, "it moves with the head, which is at rest where it is placed");
+  add->add_flag("--head", o->follows_head, "it follows the head; its place is given in the head's rest pose");
   add->add_option("--friction", o->friction, "Coulomb coefficient")
       ->check(finiteRange(0.0, 10.0))
       ->capture_default_str();
   add->callback([o, run] { *run = [o] { return addCollider(*o); }; });
-  CLI::App* move = app.add_subcommand("move", "to a pose, smoothly");
-  move->add_option("NAME", o->name, "one that was added, or that the configuration file names")->required();
+  CLI::App* move = app.add_subcommand("move", "move a collider to a pose, smoothly");
+  move->add_option("NAME", o->name, "name of a collider that was added or that the configuration file names")
+      ->required();
   move->add_option("X Y Z [YAW [PITCH [ROLL]]]", o->values, "m, degrees")
       ->expected(3, 6)
       ->option_text("3 to 6 NUMBERS REQUIRED")
       ->required()
       ->check(finiteNumber());
-  move->add_option("--seconds", o->seconds, "that it takes")
+  move->add_option("--seconds", o->seconds, "duration of the move, s")
       ->check(finiteRange(0.0, kLongestWay))
       ->capture_default_str();
   move->callback([o, run] {
@@ -463,15 +467,18 @@ void addColliderVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const
       return sendCommand(*o, CommandKind::kMoveCollider, o->name, values);
     };
   });
-  app.add_subcommand("list", "all there are, by the names that commands and the configuration file give")
+  app.add_subcommand("list", "list all colliders by the names that commands and the configuration file give")
       ->callback([o, run] { *run = [o] { return listColliders(*o); }; });
-  CLI::App* remove = app.add_subcommand("remove", "one that was added, or that the configuration file names");
-  remove->add_option("NAME", o->name, "its name")->required();
+  CLI::App* remove =
+      app.add_subcommand("remove", "remove a collider that was added or that the configuration file names");
+  remove
+      ->add_option("NAME", o->name, "name of a collider that was added or that the configuration file names")
+      ->required();
   remove->callback(
       [o, run] { *run = [o] { return sendCommand(*o, CommandKind::kRemoveCollider, o->name, {}); }; });
 }
 
-/// The parts of a source that the options tell, into `source`.
+/// Reads the given options of a source into `source` and returns which parts were given.
 WindSourceParts takeFanOptions(const CtlOptions& o, WindSource& source) {
   WindSourceParts parts = 0;
   const auto vector = [&](const std::vector<double>& from, WindSourceParts part, Vec3& to) {
@@ -491,10 +498,11 @@ WindSourceParts takeFanOptions(const CtlOptions& o, WindSource& source) {
   return parts;
 }
 
-/// `defaults`: told in the help, where what is not given is that.
+/// `defaults`: default values to show in the help; null for none.
 void addFanOptions(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const WindSource* defaults) {
-  const auto ends = [](const std::string& value) { return value.empty() ? value : ", else " + value; };
-  app.add_option("--direction", o->direction, "that it blows in" + ends(defaults != nullptr ? "0 0 1" : ""))
+  const auto ends = [](const std::string& value) { return value.empty() ? value : ", default " + value; };
+  app.add_option("--direction", o->direction,
+                 "direction of the wind" + ends(defaults != nullptr ? "0 0 1" : ""))
       ->expected(3)
       ->option_text("X Y Z")
       ->check(finiteNumber());
@@ -514,7 +522,7 @@ int listFans(const CtlOptions& o) {
   const Status status = statusOf(o, *steer(o.network));
   nlohmann::json all = nlohmann::json::array();
   for (const auto& [name, values] : toldOf(status.parameters, kToldSource)) {
-    const WindSource source = windSourceOf(values, "fan " + name + " as the daemon tells it");
+    const WindSource source = windSourceOf(values, "fan " + name + " as reported by the daemon");
     const std::string kind = windSourceKindName(source.kind);
     nlohmann::json object = {{"name", name}, {"kind", kind}};
     object["position"] = toJson(source.position);
@@ -538,16 +546,13 @@ void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std:
   app.require_subcommand(1);
   static const WindSource kDefault;
   const auto place = [&](CLI::App& sub) {
-    return sub.add_option("X Y Z", o->values, "where it is, m, in the world")
-        ->expected(3)
-        ->check(finiteNumber());
+    return sub.add_option("X Y Z", o->values, "place, m, in the world")->expected(3)->check(finiteNumber());
   };
-  CLI::App* add = app.add_subcommand("add", "a source of wind, for as long as the daemon runs");
-  add->add_option("NAME", o->name, "of its own, without spaces")->required();
-  add->add_option(
-         "KIND", o->shape,
-         "cone (a fan), turbine, or sphere, which blows out of its middle in all directions (inwards "
-         "where speed is below 0)")
+  CLI::App* add = app.add_subcommand("add", "add a source of wind, until the daemon ends");
+  add->add_option("NAME", o->name, "unique name, without spaces")->required();
+  add->add_option("KIND", o->shape,
+                  "cone (a fan), turbine, or sphere, which blows outwards in all directions (inwards if "
+                  "speed is negative)")
       ->required();
   place(*add)->required();
   addFanOptions(*add, o, &kDefault);
@@ -561,13 +566,15 @@ void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std:
       return sendCommand(*o, CommandKind::kAddWindSource, o->name, windSourceValues(source));
     };
   });
-  CLI::App* move = app.add_subcommand("move", "change what is given of one, smoothly; the rest stays");
+  CLI::App* move =
+      app.add_subcommand("move", "change the given values of a source smoothly; the others stay");
   move->add_option("NAME", o->name,
-                   "one that was added, or of a [[wind]] table: its name, else wind1, wind2 ...")
+                   "name of a source that was added, or of a [[wind]] table (wind1, wind2 ... if the table "
+                   "has no name)")
       ->required();
   place(*move);
   addFanOptions(*move, o, nullptr);
-  move->add_option("--seconds", o->seconds, "that it takes")
+  move->add_option("--seconds", o->seconds, "duration of the move, s")
       ->check(finiteRange(0.0, kLongestWay))
       ->capture_default_str();
   move->callback([o, run] {
@@ -575,16 +582,16 @@ void addFanVerbs(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const std:
       WindSource to;
       const WindSourceParts parts = takeFanOptions(*o, to);
       if (parts == 0)
-        throw Error("nothing of the source is to change", "strandcast ctl fan move " + o->name,
-                    "give X Y Z, --direction, --speed or another of its numbers");
+        throw Error("no value of the source is given", "strandcast ctl fan move " + o->name,
+                    "give X Y Z, --direction, --speed or another value");
       return sendCommand(*o, CommandKind::kMoveWindSource, o->name, windMoveValues(to, parts, o->seconds));
     };
   });
-  app.add_subcommand("list", "all there are, as they are now")->callback([o, run] {
+  app.add_subcommand("list", "list all sources with their present values")->callback([o, run] {
     *run = [o] { return listFans(*o); };
   });
-  CLI::App* remove = app.add_subcommand("remove", "any of them");
-  remove->add_option("NAME", o->name, "as of move")->required();
+  CLI::App* remove = app.add_subcommand("remove", "remove a source of wind");
+  remove->add_option("NAME", o->name, "name of the source, as in move")->required();
   remove->callback(
       [o, run] { *run = [o] { return sendCommand(*o, CommandKind::kRemoveWindSource, o->name, {}); }; });
 }
@@ -600,7 +607,7 @@ Verb addCtl(CLI::App& app) {
   formatter->column_width(app.get_formatter()->get_column_width());
   app.formatter(formatter);
   addNetworkOptions(app, o->network);
-  app.add_option("--timeout", o->timeout, "seconds to wait for the daemon; for steps, since it took one")
+  app.add_option("--timeout", o->timeout, "seconds to wait for the daemon; for steps, since the last step")
       ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print one JSON object");
@@ -623,8 +630,8 @@ Verb addCtl(CLI::App& app) {
     sub->callback([run, body = std::move(body)] { *run = body; });
     return sub;
   };
-  verb("list", "daemons on the domain", [o] { return list(*o); });
-  verb("status", "what the daemon says of itself, with the values of its parameters",
+  verb("list", "list the daemons of the domain", [o] { return list(*o); });
+  verb("status", "print the daemon's state and the values of its parameters",
        [o] { return printStatus(*o); });
   verb("wind", "set the velocity of the air, m/s",
        [o] { return sendCommand(*o, CommandKind::kSetParameter, "wind", o->values); })
@@ -635,7 +642,7 @@ Verb addCtl(CLI::App& app) {
   CLI::App* set =
       verb("set", "set a parameter (names: strandcastd --help)", [o] { return setParameter(*o); });
   set->add_option("NAME", o->name, "parameter")->required();
-  set->add_option("VALUE", o->values, "its components")
+  set->add_option("VALUE", o->values, "value, or 3 components")
       ->expected(1, 3)
       ->option_text("1 or 3 NUMBERS REQUIRED")
       ->required()
@@ -647,7 +654,7 @@ Verb addCtl(CLI::App& app) {
       ->option_text("3 to 6 NUMBERS REQUIRED")
       ->required()
       ->check(finiteNumber());
-  verb("motion", "give the head a motion",
+  verb("motion", "start a motion of the head",
        [o] { return sendCommand(*o, CommandKind::kHeadMotion, o->name, {}); })
       ->add_option("NAME", o->name, "still, nod, shake, turn, joined by +")
       ->required();
@@ -655,28 +662,27 @@ Verb addCtl(CLI::App& app) {
       *app.add_subcommand("collider", "add, move, remove and list bodies that hair collides with"), o, run);
   addFanVerbs(*app.add_subcommand("fan", "add, move, remove and list sources of wind"), o, run);
   verb("reset",
-       "put the hair back to its rest shape: hands let go, and what status measures begins anew; head, "
-       "bodies, "
-       "wind and parameters stay as they are",
+       "reset the hair to its rest shape: pulls end and measurements restart; head, bodies, wind and "
+       "parameters stay",
        [o] { return sendCommand(*o, CommandKind::kReset, "", {}); });
-  verb("pause", "hold the simulation; frames go on being sent",
+  verb("pause", "pause the simulation; the daemon keeps sending frames",
        [o] { return sendCommand(*o, CommandKind::kPause, "", {1}); });
-  verb("go", "let it go on", [o] { return sendCommand(*o, CommandKind::kPause, "", {0}); });
-  verb("step", "single steps while it is paused",
+  verb("go", "resume the simulation", [o] { return sendCommand(*o, CommandKind::kPause, "", {0}); });
+  verb("step", "take single steps of a paused simulation",
        [o] { return sendCommand(*o, CommandKind::kStep, "", o->values); })
       ->add_option("STEPS", o->values, "1 to 1000")
       ->expected(1)
       ->required()
       ->transform(wholeRange(1, kMostSteps));
-  verb("pull", "a hand in the hair for a second; without numbers it lets go",
+  verb("pull", "pull the hair around a point for a second; without numbers, release it",
        [o] {
          if (!o->values.empty() && o->values.size() != 8)
            throw Error(fmt::format("a pull takes 8 numbers, not {}", o->values.size()), "strandcast ctl pull",
-                       "X Y Z RADIUS TOX TOY TOZ RATE, or none to let go");
+                       "X Y Z RADIUS TOX TOY TOZ RATE, or none to release");
          return sendCommand(*o, CommandKind::kPull, "", o->values);
        })
       ->add_option("X Y Z RADIUS TOX TOY TOZ RATE", o->values,
-                   "where it closes, m, about what, m, where it pulls to, m, and how hard, 1/s")
+                   "grab point, m; radius, m; target, m; rate, 1/s")
       ->expected(0, 8)
       ->option_text("8 NUMBERS or none")
       ->check(finiteNumber());

@@ -15,8 +15,8 @@
 #include "apps/verbs.h"
 #include "core/error.h"
 #include "gpu_compute/gpu_backend.h"
-#include "groom/axes_and_units.h"
-#include "groom/groom_file.h"
+#include "groom/load_groom.h"
+#include "io/axes_and_units.h"
 #include "transport/codec/codec.h"
 #include "transport/dds.h"
 #include "transport/lcm.h"
@@ -31,12 +31,12 @@ struct InfoOptions {
 };
 
 void printGpus(const std::vector<GpuListing>& gpus) {
-  fmt::print("STRANDCAST_GPU names one of these OpenGL devices:\n");
+  fmt::print("STRANDCAST_GPU selects one of these OpenGL devices:\n");
   for (const GpuListing& gpu : gpus)
     fmt::print("  {:<10} {}{}\n", gpu.number, gpu.device, gpu.uuid.empty() ? "" : "  GPU-" + gpu.uuid);
 }
 
-/// With the GPUs that there are to choose among where another was named.
+/// The known backends. Where that throws, e.g. because STRANDCAST_GPU names no device, prints the GPUs first.
 std::vector<BackendInfo> backendsOr(const std::vector<GpuListing>& gpus) {
   try {
     return knownBackends();
@@ -74,7 +74,7 @@ int printBackends(bool json) {
 
 nlohmann::json toJson(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
 
-/// The least and the largest of a groom, m; nothing where it has none.
+/// The smallest and the largest width of a groom, m; empty where it has none.
 std::optional<std::pair<double, double>> widthsOf(const StrandSet& strands) {
   if (strands.radii.empty()) return std::nullopt;
   const auto [least, most] = std::minmax_element(strands.radii.begin(), strands.radii.end());
@@ -88,7 +88,7 @@ int printGroom(const InfoOptions& options) {
   read.unit_meters = options.unit_meters;
   read.up = upAxisOf(options.up);
   const Groom groom = loadGroom({file}, read);
-  // Counts are of the file as it is; lengths and box in metres.
+  // Counts are those of the file; lengths and box are in metres.
   const float unit = groom.report.unit_meters;
   StrandSet meters = raw.strands;
   turnYUp(meters.positions, read.up == UpAxis::kAuto ? raw.native_up : read.up);
@@ -125,8 +125,8 @@ int printGroom(const InfoOptions& options) {
   out.add("unit", "unit",
           fmt::format("{:g} m{}", unit,
                       options.unit_meters > 0 ? ""
-                      : raw.unit_is_default   ? ", as its format has it"
-                      : raw.unit_meters > 0   ? ", as the file says"
+                      : raw.unit_is_default   ? ", as its format defines"
+                      : raw.unit_meters > 0   ? ", given by the file"
                                               : ", guessed"));
   const Eigen::Vector3f low = s.bounds.min(), high = s.bounds.max();
   out.add("bounds", "bounding box",
@@ -140,7 +140,7 @@ int printGroom(const InfoOptions& options) {
                         1e3 * widths->first, 1e3 * widths->second));
   out.addCount("degenerate", "degenerate strands", s.degenerate_strands);
   if (cast)
-    out.add("bytes_per_frame", "cast, at rest",
+    out.add("bytes_per_frame", "published, at rest",
             fmt::format("{} bytes per frame as {} ({:.2f} per vertex)", *cast, nameOf(CodecOptions().codec),
                         static_cast<double>(*cast) / static_cast<double>(groom.strands.vertices())));
   if (!groom.report.left_out.empty())
@@ -156,19 +156,18 @@ Verb addInfo(CLI::App& app) {
   const auto o = std::make_shared<InfoOptions>();
   auto* file = app.add_option("FILE", o->file, "groom file: .tfx, .hair, .obj or .usda");
   auto* unit = app.add_option("--unit-meters", o->unit_meters,
-                              "metres per unit of the file; as the file says or guessed if not given")
+                              "metres per unit of the file; default: as the file says, else guessed")
                    ->check(finiteRange(1e-6, 1000.0));
   auto* up =
       app.add_option("--up", o->up, "up axis of the file")->check(CLI::IsMember({"auto", "x", "y", "z"}));
-  auto* backends =
-      app.add_flag("--backends", o->backends,
-                   "list the backends, whether they run here, and why not; and the GPUs that STRANDCAST_GPU "
-                   "chooses among");
+  auto* backends = app.add_flag("--backends", o->backends,
+                                "list the backends, whether each can run here or why not, and the GPUs that "
+                                "STRANDCAST_GPU selects from");
   for (CLI::Option* const of_file : {file, unit, up}) backends->excludes(of_file);
   app.add_flag("--json", o->json, "print one JSON object");
   return [o] {
     if (o->backends) return printBackends(o->json);
-    if (o->file.empty()) throw Error("nothing to tell of", "strandcast info", "give a FILE or --backends");
+    if (o->file.empty()) throw Error("nothing to show", "strandcast info", "give a FILE or --backends");
     return printGroom(*o);
   };
 }

@@ -23,14 +23,14 @@ struct RecordOptions {
   std::unique_ptr<SettingsOptions> settings;
   std::filesystem::path file;
   uint32_t grids_every = 0;
-  double seconds = 0;   // of simulation; 0 = until the stream ends
+  double seconds = 0;   // s of simulation time; 0 = until the stream ends
   double timeout = 20;  // s
   bool json = false;
 };
 
 constexpr double kRounding = 1e-6;  // s
 
-/// Shows how far it is; true when it has the seconds that were asked for.
+/// Shows progress; true once the requested seconds are recorded.
 bool isLongEnough(const Recorder& recorder, const RecordOptions& o, ProgressBar& bar) {
   bar.show(
       fmt::format("{:.1f} s, {:.1f} MB", recorder.seconds(), 1e-6 * static_cast<double>(recorder.bytes())),
@@ -51,16 +51,16 @@ RecordingOptions recordingOptions(const Settings& settings) {
   options.groom_id = settings.groom_id;
   options.codec = settings.codec;
   if (settings.codec.codec == Codec::kTemporal)
-    spdlog::warn("a recording's frames stand alone: it is written with --codec oct12, not temporal");
+    spdlog::warn("a recording holds key frames only: it is written with --codec oct12, not temporal");
   return options;
 }
 
-/// A scene, as fast as this machine simulates it, every frame.
+/// Simulates a scene as fast as this machine can and records every frame.
 int simulateAndRecord(const RecordOptions& o, const Settings& settings) {
-  // Nobody listens at the other end.
+  // The listening end has no readers.
   auto [channel, listener] = makeInProcessChannel(settings.groom_id);
   RecordingPublisher publisher(std::move(channel), false);
-  Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, newSession());
+  Daemon daemon(settings, makeSceneWithProgress(settings.scene), publisher, newSession());
   publisher.open(o.file, recordingOptions(settings));
   const Recorder& recorder = publisher.recorder();
   if (o.grids_every > 0) daemon.setObserver(gridRecorder(publisher, o.grids_every));
@@ -87,10 +87,10 @@ int simulateAndRecord(const RecordOptions& o, const Settings& settings) {
   return failure.empty() ? 0 : kExitCheckFailed;
 }
 
-/// What a daemon casts.
+/// Records the frames of a daemon.
 int recordStream(const RecordOptions& o, const Settings& settings) {
   if (o.grids_every > 0)
-    throw Error("a daemon does not cast its grids", "--grids",
+    throw Error("a daemon does not publish its grids", "--grids",
                 "name what to simulate here, e.g. --scene straight, or let the daemon record: `strandcastd "
                 "--record FILE --record-grids N`");
   const std::unique_ptr<Subscriber> subscriber = subscribe(settings);
@@ -109,11 +109,11 @@ int recordStream(const RecordOptions& o, const Settings& settings) {
   recording.close();
   const uint64_t skipped = recording.skipped();
   if (recorder.frames() == 0 && g_interrupted) {
-    spdlog::warn("no frame came: {} is as it was", o.file.string());
+    spdlog::warn("no frame arrived: {} is unchanged", o.file.string());
     return kExitInterrupted;
   }
   if (recorder.frames() == 0)
-    throw Error("no frame came", fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
+    throw Error("no frame arrived", fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
                 "start strandcastd, or check --domain and --groom-id");
   Report out;
   addFile(out, recorder, o);
@@ -121,7 +121,7 @@ int recordStream(const RecordOptions& o, const Settings& settings) {
   out.addCount("frames_concealed", "with concealed strands", subscriber->statistics().frames_concealed);
   out.print(o.json);
   if (skipped > 0)
-    spdlog::warn("{} frames were lost on the way or came faster than they could be written", skipped);
+    spdlog::warn("{} frames were lost in transport or arrived faster than they could be written", skipped);
   if (g_interrupted) return kExitInterrupted;
   if (o.seconds == 0 || recorder.seconds() >= o.seconds - kRounding) return 0;
   spdlog::warn("the stream ended after {:.3f} of {:g} s", recorder.seconds(), o.seconds);
@@ -140,23 +140,24 @@ int record(const RecordOptions& o) {
 Verb addRecord(CLI::App& app) {
   const auto o = std::make_shared<RecordOptions>();
   app.footer(
-      "Records what a daemon casts, over any transport, until the stream ends, --seconds or Ctrl-C. With "
-      "--scene, --groom or --config it simulates here instead, as fast as it can. Whatever ends it, the file "
-      "can be replayed up to there; exit code 1 where a stream ended before --seconds. (`strandcastd "
-      "--record FILE` also records the commands, so that `replay "
-      "--resimulate` can repeat the simulation.)\n"
+      "Records the frames of a daemon, over any transport, until the stream ends, --seconds or Ctrl-C. With "
+      "--scene, --groom or --config it simulates in this process instead, as fast as possible. However the "
+      "recording ends, its frames up to then can be replayed; exit code 1 if the stream ended before "
+      "--seconds. (`strandcastd --record FILE` also records the commands, so that `replay --resimulate` can "
+      "repeat the simulation.)\n"
       "Examples:\n"
       "  strandcast record take1.rec --seconds 10\n"
       "  strandcast record exact.rec --codec float32\n"
       "  strandcast record air.rec --scene straight --set wind_grid=1 --seconds 2 --grids 6\n"
       "  strandcast replay take1.rec --loop");
-  app.add_option("FILE", o->file, "recording to write; an old one is replaced, once there is a frame")
+  app.add_option("FILE", o->file, "recording to write; replaces an old one when the first frame arrives")
       ->required();
-  app.add_option("--seconds", o->seconds, "of simulation to record; 0 = until the stream ends, or Ctrl-C")
+  app.add_option("--seconds", o->seconds,
+                 "seconds of simulation to record; 0 = until the stream ends, or Ctrl-C")
       ->check(finiteRange(0.0, 1e6));
   app.add_option("--grids", o->grids_every,
-                 "of a scene: also record the grids of air and hair (density, wind, pressure, divergence) of "
-                 "every such frame, 1 = of each; `strandcast replay FILE --show wind` draws them")
+                 "with a scene: also record the grids of air and hair (density, wind, pressure, divergence) "
+                 "of every Nth frame; `strandcast replay FILE --show wind` draws them")
       ->transform(wholeRange(1, 1000000));
   app.add_option("--timeout", o->timeout, "seconds without a frame after which the stream has ended")
       ->check(finiteRange(0.1, 3600.0))

@@ -40,7 +40,7 @@ struct RenderOptions {
   bool films() const { return movie_option->count() > 0; }
 };
 
-/// `status`: the newest that was heard; the daemon may have ended since.
+/// `status`: the newest one received; the daemon may have ended since.
 void report(const RenderOptions& o, Subscriber& subscriber, const std::optional<Status>& status,
             const FrameCapture& capture, int samples, int drawn, double draw_ms) {
   const ReceiveStatistics r = subscriber.statistics();
@@ -53,7 +53,7 @@ void report(const RenderOptions& o, Subscriber& subscriber, const std::optional<
     out.addCount("vertices", "vertices", s->vertices);
     out.add("step_ms_median", "step, median", s->step_ms_median, "ms", 3);
     out.add("step_ms_p95", "step, 95th percentile", s->step_ms_p95, "ms", 3);
-    const auto newest = subscriber.frame();  // younger than the status
+    const auto newest = subscriber.frame();  // newer than the status
     out.addCount("frames_published", "frames published", std::max(s->frames, newest ? newest->frame : 0));
     out.add("mean_stretch", "mean stretch", s->mean_stretch, "", 6);
     out.add("max_stretch", "max stretch", s->max_stretch, "", 6);
@@ -69,7 +69,7 @@ void report(const RenderOptions& o, Subscriber& subscriber, const std::optional<
   out.add("latency_ms_p50", "latency, median", r.latency_ms_p50, "ms", 3);
   out.add("latency_ms_p99", "latency, 99th percentile", r.latency_ms_p99, "ms", 3);
   if (capture.passedOver() > 0)
-    out.addCount("frames_passed_over", "frames passed over", static_cast<uint64_t>(capture.passedOver()));
+    out.addCount("frames_passed_over", "frames skipped", static_cast<uint64_t>(capture.passedOver()));
   out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn));
   out.addCount("samples", "samples per pixel", static_cast<uint64_t>(samples));
   out.add("draw_ms", "drawing, mean", drawn > 0 ? draw_ms / drawn : 0, "ms per frame", 1);
@@ -77,26 +77,27 @@ void report(const RenderOptions& o, Subscriber& subscriber, const std::optional<
   out.print(o.json);
 }
 
-/// Steps the scene in this process and draws slices through its grids, which no wire carries.
+/// Steps the scene in this process and draws slices through its grids, which are not transmitted.
 int renderAir(const RenderOptions& o, const Settings& settings) {
   if (!o.settings->namesScene())
-    throw Error("a daemon does not cast its grids", "--show " + o.show,
+    throw Error("a daemon does not publish its grids", "--show " + o.show,
                 "name what to simulate, e.g. --scene straight");
   if (o.films()) checkMovie(o.movie);
-  const Scene scene = makeSceneAloud(settings.scene);
+  const Scene scene = makeSceneWithProgress(settings.scene);
   Simulation simulation = makeSimulation(scene, settings);
   AirFilm film(o.show, o.slice, std::min(o.picture.settings.width, o.picture.settings.height), o.out);
   ProgressBar bar;
   const auto time_step = static_cast<double>(simulation.parameters().time_step);
   if (o.fps * time_step > 1 + 1e-6)
-    spdlog::warn("the scene is simulated {:g} times a second: pictures are repeated", 1 / time_step);
+    spdlog::warn("the scene has {:g} steps per second, fewer than pictures: pictures are repeated",
+                 1 / time_step);
   const auto step = [&] {
     const double end = simulation.time() + time_step;
     moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
     simulation.step();
     simulation.resetBroken();
   };
-  step();  // there are no grids before
+  step();  // grids exist only after the first step
   const double start = std::max(simulation.time(), o.skip);
   while (film.drawn() < o.frames && !g_interrupted) {
     while (simulation.time() < start + film.drawn() / o.fps - 0.5e-3 * time_step && !g_interrupted) step();
@@ -128,7 +129,7 @@ int render(const RenderOptions& o) {
   Renderer renderer(renderSettings(o.picture));
   const int samples = renderer.statistics().samples;
   if (samples != renderer.settings().samples)
-    spdlog::warn("the OpenGL device has {} samples per pixel for the {} asked for", samples,
+    spdlog::warn("the OpenGL device has {} samples per pixel, not the {} of --samples", samples,
                  renderer.settings().samples);
   StreamScene scene;
   std::shared_ptr<const ColliderSet> colliders;
@@ -176,39 +177,37 @@ int render(const RenderOptions& o) {
 Verb addRender(CLI::App& app) {
   const auto o = std::make_shared<RenderOptions>();
   app.footer(
-      "With --scene, --groom or --config the simulation runs inside this process; without, a daemon's stream "
-      "is drawn.\n"
+      "With --scene, --groom or --config the simulation runs inside this process; without them, the verb "
+      "draws a daemon's stream.\n"
       "Examples:\n"
       "  strandcast render --frames 60 --out out\n"
       "  strandcast render --scene curly --frames 90 --out out --movie curly.mp4\n"
       "  strandcast render --scene straight --set wind=3,0,0 --set wind_grid=1 --show wind");
-  app.add_option("--out", o->out, "folder for frame_0000.png and on")->capture_default_str();
-  app.add_option("--frames", o->frames, "pictures to draw")
+  app.add_option("--out", o->out, "folder for frame_0000.png and following")->capture_default_str();
+  app.add_option("--frames", o->frames, "number of pictures to draw")
       ->transform(wholeRange(1, 1000000))
       ->capture_default_str();
-  app.add_option(
-         "--fps", o->fps,
-         "pictures per second of simulated time; those at which the stream has no frame are between two")
+  app.add_option("--fps", o->fps,
+                 "pictures per second of simulated time; a picture between two frames of the stream "
+                 "interpolates them")
       ->check(finiteRange(0.1, 1000.0))
       ->capture_default_str();
   app.add_option("--skip", o->skip, "seconds of simulated time before the first picture")
       ->check(finiteRange(0.0, 1e6));
   auto* show =
-      app.add_option(
-             "--show", o->show,
-             "hair, or a slice through the grids of a scene: density, wind, pressure or divergence, a square "
-             "whose sides are the shorter of --width and --height")
+      app.add_option("--show", o->show,
+                     "hair, or a slice through the grids of a scene: density, wind, pressure or divergence; "
+                     "the slice is a square with the shorter of --width and --height as its side")
           ->check(CLI::IsMember({"hair", "density", "wind", "pressure", "divergence"}))
           ->capture_default_str();
-  app.add_option("--slice", o->slice, "axis that the slice lies across")
+  app.add_option("--slice", o->slice, "axis perpendicular to the slice")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->needs(show)
       ->capture_default_str();
-  o->movie_option = app.add_option("--movie", o->movie, "also join the pictures into this file, with ffmpeg");
-  app.add_option("--timeout", o->timeout,
-                 "seconds to wait for a daemon, and for its next moment: of one that is paused only the "
-                 "moment is drawn "
-                 "that it has")
+  o->movie_option = app.add_option("--movie", o->movie, "also encode the pictures as this film, with ffmpeg");
+  app.add_option(
+         "--timeout", o->timeout,
+         "seconds to wait for a daemon and for its next frame; a paused daemon gives only its current frame")
       ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");

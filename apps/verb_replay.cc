@@ -17,7 +17,7 @@
 #include "apps/resimulation.h"
 #include "apps/verbs.h"
 #include "core/error.h"
-#include "groom/text_number.h"
+#include "io/text_number.h"
 #include "transport/recording/recorder.h"
 
 namespace strandcast {
@@ -47,9 +47,9 @@ CLI::Validator notTooSlow() {
 void addFile(Report& out, const Recording& recording) {
   out.addCount("frames", "frames", recording.frames());
   out.add("seconds", "simulated", recording.seconds(), "s", 3);
-  out.addCount("cut", "was cut or not closed", recording.isCut() ? 1 : 0);
+  out.addCount("cut", "truncated or not closed", recording.isCut() ? 1 : 0);
   out.add("codec", "codec", recording.head().codec);
-  out.add("codec_error_mm", "error of the codec, at most",
+  out.add("codec_error_mm", "error of the codec, upper bound",
           1e3 * static_cast<double>(recording.head().max_error), "mm", 4);
   out.add("megabytes", "size", 1e-6 * static_cast<double>(recording.bytes()), "MB", 3);
 }
@@ -73,7 +73,7 @@ int check(Recording& recording, const ReplayVerbOptions& o) {
         if (recording.readGrids(number, grids)) ++with_grids;
       } catch (const Error& error) {
         if (damaged++ == 0) spdlog::warn("{}", error.what());
-        if (number == 0) can_resimulate = false;  // its groom and commands are what one begins with
+        if (number == 0) can_resimulate = false;  // resimulation starts from frame 0
       }
       bar.show(fmt::format("frame {} of {}", number + 1, recording.frames()),
                static_cast<double>(number + 1) / static_cast<double>(recording.frames()));
@@ -84,9 +84,9 @@ int check(Recording& recording, const ReplayVerbOptions& o) {
   out.addCount("grooms", "grooms", grooms);
   out.addCount("inputs", "commands", inputs);
   out.addCount("grids", "frames with grids", with_grids);
-  out.addCount("can_resimulate", "can be simulated again", can_resimulate ? 1 : 0);
+  out.addCount("can_resimulate", "can be resimulated", can_resimulate ? 1 : 0);
   out.addCount("frames_damaged", "frames damaged", damaged);
-  if (is_exact) out.addCount("frames_different", "frames of another hash", different);
+  if (is_exact) out.addCount("frames_different", "frames with a different hash", different);
   out.print(o.json);
   if (g_interrupted) return kExitInterrupted;
   const bool is_whole = recording.frames() > 0 && !recording.isCut();
@@ -94,7 +94,7 @@ int check(Recording& recording, const ReplayVerbOptions& o) {
 }
 
 #ifdef STRANDCAST_HAS_RENDER
-/// Draws grids at even times, and passes over frames where what is shown is on none.
+/// Draws grids at even times, and skips frames that do not hold the quantity on a grid.
 class GridPictures {
  public:
   explicit GridPictures(const ReplayVerbOptions& o)
@@ -114,10 +114,10 @@ class GridPictures {
     else
       ++without_;
   }
-  /// Error where there were frames and none of them had it.
+  /// Throws Error where there were frames and none of them held the quantity.
   void checkDrawn() const {
     if (film_.drawn() == 0 && without_ > 0)
-      throw Error(fmt::format("it is on no grid in any of {} frames", without_), "--show " + show_,
+      throw Error(fmt::format("no frame of {} has this quantity on a grid", without_), "--show " + show_,
                   fmt::format("record a run with {}, or show something else", film_.settings()));
   }
   int drawn() const { return film_.drawn(); }
@@ -138,7 +138,7 @@ class GridPictures {
   const double fps_;
   AirFilm film_;
   std::optional<double> start_;  // s
-  int without_ = 0;              // frames that had it on no grid
+  int without_ = 0;              // frames that held the quantity on no grid
 };
 #else
 class GridPictures {
@@ -154,7 +154,7 @@ class GridPictures {
 };
 #endif
 
-/// Draws the grids that were recorded.
+/// Draws the recorded grids.
 int showGrids(Recording& recording, const ReplayVerbOptions& o) {
   GridPictures pictures(o);
   const double end = o.replay.to > 0 ? o.replay.to : recording.seconds();
@@ -176,7 +176,7 @@ int showGrids(Recording& recording, const ReplayVerbOptions& o) {
   }
   if (!g_interrupted) pictures.checkDrawn();
   if (pictures.drawn() == 0 && !g_interrupted)
-    throw Error("the recording holds no grids there", o.file.string(),
+    throw Error("the recording has no grids in this range", o.file.string(),
                 "record them with `strandcastd --record FILE --record-grids 1`, or add --resimulate");
   Report out;
   addFile(out, recording);
@@ -205,9 +205,9 @@ int simulateAgain(Recording& recording, const ReplayVerbOptions& o) {
   out.add("device", "device", report.device);
   out.add("recorded_device", "recorded on", report.recorded_device);
   out.addCount("frames", "frames compared", report.frames);
-  out.addCount("inputs", "commands given again", report.inputs);
+  out.addCount("inputs", "commands repeated", report.inputs);
   out.addCount("frames_different", "frames that differ", report.different);
-  if (report.different > 0) out.addCount("first_different", "the first of them", report.first_different);
+  if (report.different > 0) out.addCount("first_different", "first different frame", report.first_different);
   out.print(o.json);
   if (g_interrupted) return kExitInterrupted;
   return report.different == 0 ? 0 : kExitCheckFailed;
@@ -216,7 +216,7 @@ int simulateAgain(Recording& recording, const ReplayVerbOptions& o) {
 int cast(Recording& recording, const ReplayVerbOptions& o) {
   Settings settings = o.settings;
   settings.codec.codec = codecNamed(o.codec, "--codec");
-  checkReplay(recording, o.replay);  // before anyone hears of it
+  checkReplay(recording, o.replay);  // before subscribers hear of the replay
   const uint64_t session = newSession();
   const std::unique_ptr<Publisher> publisher = claimGroom(settings, session);
   Replay replay(recording, *publisher, settings.groom_id, session, o.replay);
@@ -239,11 +239,11 @@ int cast(Recording& recording, const ReplayVerbOptions& o) {
 
 int replay(const ReplayVerbOptions& o) {
   if (o.replay.to > 0 && o.replay.to <= o.replay.from)
-    throw Error("the end is not after the beginning",
-                fmt::format("--from {:g} --to {:g}", o.replay.from, o.replay.to), "give a later --to");
+    throw Error("--to is not after --from", fmt::format("--from {:g} --to {:g}", o.replay.from, o.replay.to),
+                "give a later --to");
   Recording recording(o.file);
   if (recording.isCut())
-    spdlog::warn("{} was cut or not closed: {} frames, {:.1f} s can be read", o.file.string(),
+    spdlog::warn("{} is truncated or was not closed: {} frames, {:.1f} s can be read", o.file.string(),
                  recording.frames(), recording.seconds());
   if (o.resimulates) return simulateAgain(recording, o);
   if (!o.show.empty()) return showGrids(recording, o);
@@ -255,60 +255,54 @@ int replay(const ReplayVerbOptions& o) {
 Verb addReplay(CLI::App& app) {
   const auto o = std::make_shared<ReplayVerbOptions>();
   app.footer(
-      "Casts a recording as a daemon casts its simulation; renderers see no difference. While it runs, "
-      "`strandcast ctl set speed 0` stands still, `ctl set position 3.5` goes to 3.5 s, `ctl set loop 1`, "
-      "`ctl reset` "
-      "goes back to --from, `ctl stop` ends it.\n"
+      "Publishes a recording as a daemon publishes its simulation; renderers see no difference. While it "
+      "runs, `strandcast ctl set speed 0` pauses it, `ctl set position 3.5` seeks to 3.5 s, `ctl set loop 1` "
+      "loops it, `ctl reset` returns to --from, `ctl stop` ends it.\n"
       "Examples:\n"
       "  strandcast replay take1.rec --speed 0.25 --loop --from 2 --to 4\n"
-      "  strandcast replay take1.rec --check            is it whole, and every frame sound?\n"
+      "  strandcast replay take1.rec --check            is it complete and every frame undamaged?\n"
       "  strandcastd --scene curly --duration 5 --record run.rec\n"
-      "  strandcast replay run.rec --resimulate         does the simulation repeat itself bit for bit?\n"
+      "  strandcast replay run.rec --resimulate         is the simulation bit-identical?\n"
       "  strandcast replay run.rec --resimulate --show density --out slices\n"
       "  strandcast record air.rec --scene straight --set wind_grid=1 --seconds 2 --grids 6\n"
       "  strandcast replay air.rec --show wind --out slices");
   app.add_option("FILE", o->file, "recording, of `strandcast record` or `strandcastd --record`")->required();
-  auto* speed = app.add_option("--speed", o->replay.speed,
-                               fmt::format("times as fast as it was simulated, {:g} or more; 0 stands still",
-                                           kMinReplaySpeed))
-                    ->check(finiteRange(0.0, kMaxReplaySpeed))
-                    ->check(notTooSlow())
-                    ->capture_default_str();
-  auto* loop = app.add_flag("--loop", o->replay.loops, "begin again at the end");
-  auto* from = app.add_option("--from", o->replay.from, "seconds of the recording to begin at")
+  auto* speed =
+      app.add_option("--speed", o->replay.speed,
+                     fmt::format("speed relative to simulated time, {:g} or more; 0 pauses", kMinReplaySpeed))
+          ->check(finiteRange(0.0, kMaxReplaySpeed))
+          ->check(notTooSlow())
+          ->capture_default_str();
+  auto* loop = app.add_flag("--loop", o->replay.loops, "restart at the end");
+  auto* from = app.add_option("--from", o->replay.from, "start, seconds of the recording")
                    ->check(finiteRange(0.0, 1e6));
-  auto* to = app.add_option("--to", o->replay.to, "seconds of the recording to end at; 0 = its end")
+  auto* to = app.add_option("--to", o->replay.to, "end, seconds of the recording; 0 = its end")
                  ->check(finiteRange(0.0, 1e6));
-  auto* check =
-      app.add_flag("--check", o->checks,
-                   "cast nothing: read every frame and say what the file holds. Exit code 1 where a frame is "
-                   "damaged or there is none, or the file was cut");
-  auto* resimulate =
-      app.add_flag("--resimulate", o->resimulates,
-                   "cast nothing: simulate it again from the recorded settings and commands, on the same "
-                   "backend, and compare "
-                   "the hash of every frame")
-          ->excludes(check);
-  for (CLI::Option* const of_all : {check, resimulate})  // which take every frame, as fast as they can
+  auto* check = app.add_flag("--check", o->checks,
+                             "publish nothing; read every frame and print the contents of the file. Exit "
+                             "code 1 if a frame is damaged, there is none, or the file is truncated");
+  auto* resimulate = app.add_flag("--resimulate", o->resimulates,
+                                  "publish nothing; simulate again from the recorded settings and commands, "
+                                  "on the same backend, and compare the hash of every frame")
+                         ->excludes(check);
+  for (CLI::Option* const of_all : {check, resimulate})  // they process every frame at full speed
     for (CLI::Option* const of_casting : {speed, loop, from, to}) of_all->excludes(of_casting);
   const char* const kGrids = "Grids of density and wind, as pictures";
-  auto* show =
-      app.add_option(
-             "--show", o->show,
-             "density, wind, pressure or divergence: cast nothing, draw slices through the grids that were "
-             "recorded (--record-grids), between --from and --to; with --resimulate, through those of the "
-             "simulation, of every frame")
-          ->check(CLI::IsMember({"density", "wind", "pressure", "divergence"}))
-          ->excludes(check)
-          ->excludes(speed)
-          ->excludes(loop)
-          ->group(kGrids);
-  app.add_option("--slice", o->slice, "axis that the slice lies across")
+  auto* show = app.add_option("--show", o->show,
+                              "density, wind, pressure or divergence: publish nothing; draw slices through "
+                              "the recorded grids (--record-grids) between --from and --to; with "
+                              "--resimulate, through the grids of every simulated frame")
+                   ->check(CLI::IsMember({"density", "wind", "pressure", "divergence"}))
+                   ->excludes(check)
+                   ->excludes(speed)
+                   ->excludes(loop)
+                   ->group(kGrids);
+  app.add_option("--slice", o->slice, "axis perpendicular to the slice")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->needs(show)
       ->capture_default_str()
       ->group(kGrids);
-  app.add_option("--out", o->out, "folder for frame_0000.png and on")
+  app.add_option("--out", o->out, "folder for frame_0000.png and following")
       ->needs(show)
       ->capture_default_str()
       ->group(kGrids);
@@ -322,7 +316,7 @@ Verb addReplay(CLI::App& app) {
       ->check(finiteRange(0.1, 1000.0))
       ->capture_default_str()
       ->group(kGrids);
-  app.add_option("--codec", o->codec, "how frames are written for the network: see strandcastd --help")
+  app.add_option("--codec", o->codec, "encoding of frames on the network: see strandcastd --help")
       ->check(CLI::IsMember({"float32", "delta16", "oct12", "oct16", "tangent", "temporal"}))
       ->excludes(check)
       ->excludes(resimulate)

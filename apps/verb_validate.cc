@@ -56,7 +56,7 @@ void printTable(const std::vector<Case>& cases) {
   }
 }
 
-/// Every suite of the simulation as one.
+/// All suites of the simulation as one.
 Suite allSuites() {
   Suite all{"all", "every suite of the simulation", {}};
   for (const Suite& suite : validationSuites())
@@ -64,7 +64,7 @@ Suite allSuites() {
   return all;
 }
 
-/// Suites that stand apart from the simulation's.
+/// Suites that are not part of the simulation's.
 std::vector<Suite> otherSuites() {
 #ifdef STRANDCAST_HAS_RENDER
   return {wireSuite(), renderSuite()};
@@ -76,7 +76,8 @@ std::vector<Suite> otherSuites() {
 Suite suiteOf(const ValidateOptions& o) {
   if (o.own_cantilever) {
     if (o.suite != "cantilever")
-      throw Error("this suite takes no numbers", o.suite, "give --gamma and so on to `cantilever` only");
+      throw Error("this suite takes no numbers of a cantilever", o.suite,
+                  "give --gamma and so on to `cantilever` only");
     return cantileverSuite(o.cantilever);
   }
   if (o.suite == "all") return allSuites();
@@ -121,7 +122,7 @@ int validate(const ValidateOptions& o) {
     if (!name.empty()) out.update({{"backend", name}, {"device", device}, {"solver", solverName(solver)}});
     fmt::print("{}\n", jsonText(out));
   } else {
-    // A suite that scores no backend makes none.
+    // A suite that scores no backend creates none, so there is none to print.
     fmt::print("{}: {}{}\n", suite.name, suite.about,
                name.empty() ? "" : fmt::format(", on {} ({}), solver {}", name, device, solverName(solver)));
     printTable(cases);
@@ -138,21 +139,23 @@ Verb addValidate(CLI::App& app) {
   std::string suites;
   for (const Suite& suite : validationSuites())
     suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
-  suites += fmt::format("\n  {:<12}{}", "all", "the above");
+  suites += fmt::format("\n  {:<12}{}", "all", "all suites above");
   for (const Suite& suite : otherSuites()) suites += fmt::format("\n  {:<12}{}", suite.name, suite.about);
-  app.footer("Suites:" + suites +
-             "\n\nExit code 0: every case within its limit; 1: a case failed; 2: it could not run.\n"
-             "Examples:\n"
-             "  strandcast validate cantilever --backend simd\n"
-             "  strandcast validate cantilever --gamma 3.7 --vertices 40 --dt 0.002 --damping 1\n"
-             "  strandcast validate physics --only helix --json\n"
-             "  strandcast validate wire --only \"delta16 5000x32 60 Hz\"\n"
-             "  strandcast validate cantilever --solver gauss_seidel   what the other solver misses");
-  app.add_option("SUITE", o->suite, "which suite")->required();
+  app.footer(
+      "Suites:" + suites +
+      "\n\nExit code 0: every case is within its limit; 1: a case failed; 2: the suite could not run.\n"
+      "Examples:\n"
+      "  strandcast validate cantilever --backend simd\n"
+      "  strandcast validate cantilever --gamma 3.7 --vertices 40 --dt 0.002 --damping 1\n"
+      "  strandcast validate physics --only helix --json\n"
+      "  strandcast validate wire --only \"delta16 5000x32 60 Hz\"\n"
+      "  strandcast validate cantilever --solver gauss_seidel   errors of the other solver");
+  app.add_option("SUITE", o->suite, "suite to run")->required();
   app.add_option("--backend", o->backend, "auto, reference, simd or gpu")->capture_default_str();
   app.add_option("--solver", o->solver, "rod or gauss_seidel")->capture_default_str();
-  app.add_option("--threads", o->threads, "of the simd backend; 0 = all")->transform(wholeRange(0, 1024));
-  app.add_option("--only", o->only, "run or list the cases that have this in their name");
+  app.add_option("--threads", o->threads, "threads of the simd backend; 0 = all")
+      ->transform(wholeRange(0, 1024));
+  app.add_option("--only", o->only, "run or list only the cases whose name contains this text");
   auto number = [&](const char* name, auto& value, const NumberRange& range, const char* help) {
     app.add_option_function<std::remove_reference_t<decltype(value)>>(
            name,
@@ -162,14 +165,14 @@ Verb addValidate(CLI::App& app) {
            },
            help)
         ->transform(inRange(range))
-        ->group("One cantilever in place of the standard ones");
+        ->group("One cantilever instead of the standard ones");
   };
   number("--gamma", o->cantilever.gamma, {0.001, 10000},
          "gravito-bending number 4 rho g L^3 / (E R^2), 0.001 to 10000 (1)");
-  number("--vertices", o->cantilever.vertices, {2, 127, true}, "beside the clamped one, 2 to 127 (32)");
+  number("--vertices", o->cantilever.vertices, {2, 127, true}, "free vertices, 2 to 127 (32)");
   number("--dt", o->cantilever.time_step, {}, "time step, s (1/360)");
   number("--damping", o->cantilever.damping, {0.05, 100}, "air drag, 1/s, 0.05 to 100 (5)");
-  app.add_flag("--list", o->list, "name the cases and what is done, without running them");
+  app.add_flag("--list", o->list, "list the cases and their descriptions without running them");
   app.add_flag("--json", o->json, "print one JSON object");
   return [o] { return validate(*o); };
 }

@@ -7,10 +7,10 @@ class App;
 
 namespace strandcast {
 
-/// Runs a parsed verb and gives its exit code.
+/// Runs a parsed verb and returns its exit code.
 using Verb = std::function<int()>;
 
-/// Each declares its verb and options on `app` and gives what runs it.
+/// Each declares its verb and options on `app` and returns the function that runs it.
 Verb addInfo(CLI::App& app);
 Verb addConvert(CLI::App& app);
 Verb addBake(CLI::App& app);

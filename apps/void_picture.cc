@@ -6,7 +6,7 @@
 namespace strandcast {
 namespace {
 
-// `name` does nothing where `is_void`; of a setting of lights, for the light that it is of.
+// An option `name` that has no effect where `is_void`. A setting of lights is tested with its own light.
 struct VoidOption {
   const char* name;
   bool (*is_void)(const PictureOptions&, const Light&);
@@ -24,16 +24,16 @@ constexpr VoidOption kRules[] = {
     {"filter", [](const O& o, const Light&) { return o.settings.supersampling == 1; },
      "--supersampling is 1"},
     {"geometry", isTessellated, "--growth tessellator draws lines"},
-    {"mark-inside", isTessellated, "it is of --growth compute"},
+    {"mark-inside", isTessellated, "it needs --growth compute"},
     {"clump", [](const O& o, const Light&) { return o.settings.growth.interpolation != Interpolation::kCombined; },
-     "it is of --interpolation combined"},
+     "it needs --interpolation combined"},
     {"curl-pitch", [](const O& o, const Light&) { return o.settings.growth.curl_radius == 0; },
      "--curl-radius is 0"},
     {"curl-strand", [](const O& o, const Light&) { return o.curl_example.empty(); },
      "there is no --curl-example"},
     {"clearance", [](const O& o, const Light&) { return !o.settings.keep_out; }, "--keep-out is off"},
     {"light-direction", [](const O&, const Light& light) { return light.kind == LightKind::kPoint; },
-     "a point light shines all around"},
+     "a point light shines in all directions"},
     {"light-position", [](const O&, const Light& light) { return light.kind == LightKind::kDirectional; },
      "a directional light is infinitely far away"},
     {"light-cone", isNoSpot, kNoSpot},
@@ -46,7 +46,7 @@ constexpr VoidOption kRules[] = {
     {"shadow-map", hasNoShadows, kNoShadows},
     {"shadow-filter", hasNoShadows, kNoShadows},
     {"shadow-depth", [](const O& o, const Light&) { return o.settings.opacity.beyond == BeyondLayers::kReach; },
-     "--beyond-layers reach goes to the back of the hair"},
+     "--beyond-layers reach extends to the back of the hair"},
 };
 // clang-format on
 

@@ -6,10 +6,10 @@
 
 namespace strandcast {
 
-/// A line for each option of the picture that does nothing beside the other settings, by the rules of one
-/// table (void_picture.cc): "--light-cone is not used: the light is no spot".
+/// A line for each picture option without effect beside the others, by the table in void_picture.cc:
+/// "--light-cone is not used: the light is no spot".
 std::vector<std::string> voidPictureOptions(const PictureOptions& options);
-/// Logs them.
+/// Logs these lines.
 void warnOfVoidPicture(const PictureOptions& options);
 
 }  // namespace strandcast

@@ -15,12 +15,12 @@ namespace {
 
 enum class Verdict {
   kRefused,
-  kTold,    ///< a warning that it is not used
-  kDoubted  ///< a warning that it is used in part
+  kTold,    ///< warns that the setting is not used
+  kDoubted  ///< warns that the setting is used in part
 };
 
-// One row of a table: `key`, as configuration files have it, does nothing where `is_void`. `cause`: the key
-// of what makes it void, empty where that is something missing.
+// A row of a table: `key`, as in configuration files, has no effect where `is_void`. `cause`: the key of the
+// setting that makes it void; empty where a missing setting does.
 struct VoidSetting {
   const char *key, *cause;
   bool (*is_void)(const Settings&);
@@ -33,7 +33,7 @@ bool hasBody(const Settings& s) { return !s.scene.body.empty(); }
 bool hasNoBodyFile(const Settings& s) { return !hasBody(s); }
 bool hasNoBody(const Settings& s) { return hasFiles(s) && !hasBody(s); }
 bool isGrown(const Settings& s) { return !hasFiles(s); }
-/// Meshes other than the body, of the scene or of commands.
+/// Whether there are meshes besides the body, from the scene or from commands.
 bool hasMeshes(const Settings& s) {
   return !s.collider_folder.empty() || std::any_of(s.scene.primitives.begin(), s.scene.primitives.end(),
                                                    [](const auto& p) { return !p.file.empty(); });
@@ -57,15 +57,15 @@ constexpr Verdict kRefused = Verdict::kRefused, kTold = Verdict::kTold, kDoubted
 // clang-format off
 constexpr VoidSetting kSceneRules[] = {
     {"scene", "groom.files", hasFiles,
-     "a procedural scene and a groom are two things to simulate", "leave one of them out", kRefused},
+     "a procedural scene and a groom cannot be simulated together", "leave one of them out", kRefused},
     {"groom.length", "groom.files", hasFiles,
-     "hair of groom files is as long as it is", "leave length out (--length): it is for procedural scenes", kRefused},
+     "hair of groom files has its own length", "leave length out (--length): it is for procedural scenes", kRefused},
     {"seed", "groom.files", hasFiles,
-     "nothing of groom files is random", "leave the seed out", kTold},
+     "groom files use no random numbers", "leave the seed out", kTold},
     {"groom.unit_meters", "scene", isGrownAlone,
      "procedural hair is in metres", "leave it out, or give a --groom", kRefused},
     {"groom.up", "scene", isGrownAlone,
-     "of procedural hair Y is up", "leave it out, or give a --groom", kRefused},
+     "procedural hair has Y up", "leave it out, or give a --groom", kRefused},
     {"body.unit_meters", "", hasNoBodyFile, "there is no body file", "leave it out, or give a --body", kRefused},
     {"body.up", "", hasNoBodyFile, "there is no body file", "leave it out, or give a --body", kRefused},
     {"body.contact", "", hasNoBody, "there is no body", "give a --body", kRefused},
@@ -84,7 +84,7 @@ constexpr VoidSetting kSceneRules[] = {
 
 constexpr VoidSetting kSolverRules[] = {
     {"material.tether", "daemon.solver", isRod,
-     "the rod keeps its length", "leave it out, or --solver gauss_seidel", kTold},
+     "the rod is inextensible", "leave it out, or --solver gauss_seidel", kTold},
     {"daemon.sag_free", "daemon.solver", isGaussSeidel,
      "only the rod is made sag-free", "leave it out, or --solver rod", kTold},
     {"material.youngs_modulus", "daemon.solver", isGaussSeidel,
@@ -104,17 +104,17 @@ constexpr VoidSetting kSolverRules[] = {
 constexpr VoidSetting kNetworkRules[] = {
     {"transport.lcm_url", "transport.kind", isDds, "DDS has no URL", "add --transport lcm", kRefused},
     {"transport.domain", "transport.lcm_url", [](const Settings& s) { return isLcm(s) && !s.lcm_url.empty(); },
-     "the URL of LCM says the port", "leave the domain out, or the URL", kRefused},
+     "the LCM URL gives the port", "leave the domain out, or the URL", kRefused},
     {"transport.profile", "transport.kind", isLcm,
-     "profiles are of DDS: LCM has no security and repairs nothing", "use --transport dds", kRefused},
+     "profiles belong to DDS: LCM has no security and no repair", "use --transport dds", kRefused},
     {"transport.keys", "transport.kind", isLcm, "LCM has no security", "use --transport dds", kRefused},
     {"transport.peers", "transport.kind", isLcm,
-     "LCM looks for nobody", "say with --lcm-url where frames go, or use --transport dds", kRefused},
+     "LCM has no discovery", "name the destination with --lcm-url, or use --transport dds", kRefused},
     {"transport.discovery_server", "transport.kind", isLcm,
-     "LCM looks for nobody", "say with --lcm-url where frames go, or use --transport dds", kRefused},
+     "LCM has no discovery", "name the destination with --lcm-url, or use --transport dds", kRefused},
     {"claim", "transport.kind", isLcm, "daemons cannot share a groom over LCM", "use --transport dds", kRefused},
     {"transport.keys", "transport.profile", [](const Settings& s) { return !isSecure(s); },
-     "keys are used by one profile alone", "give --profile secure too", kRefused},
+     "only the profile secure uses keys", "give --profile secure too", kRefused},
 };
 
 constexpr VoidSetting kCodecRules[] = {
@@ -129,11 +129,11 @@ constexpr VoidSetting kCodecRules[] = {
      "only the temporal codec has key frames", "leave it out, or --codec temporal", kRefused},
     {"daemon.rate", "parameters.time_step",
      [](const Settings& s) { return s.rate * static_cast<double>(parametersOf(s).time_step) > 1 + 1e-6; },
-     "frames come more often than steps of the simulation: some are cast twice",
+     "the frame rate is above the step rate: some frames are published twice",
      "give a lower rate, or a shorter time step (--set time_step)", kDoubted},
 };
 
-// Parameters that others make void: of the solver first, then of air and hair on grids (docs/air.md).
+// Parameters that others make void: solver parameters first, then air and hair on grids (docs/air.md).
 struct VoidParameter {
   const char* name;
   bool (*is_void)(const Parameters&);
@@ -145,14 +145,14 @@ bool hasNoDrag(const P& p) { return p.air_drag == 0; }
 bool hasNoWindGrid(const P& p) { return p.wind_grid == 0; }
 bool hasNoGrid(const P& p) { return p.wind_grid == 0 && p.volume_stiffness == 0 && p.hair_friction == 0; }
 bool isStill(const P& p) { return p.wind.isZero(); }
-constexpr const char *kNeedsCourse = "it is of --solver gauss_seidel", *kNeedsDrag = "it needs air_drag above 0",
-                     *kNeedsWindGrid = "it needs wind_grid=1", *kNeedsWind = "it needs a wind",
+constexpr const char *kNeedsGaussSeidel = "only --solver gauss_seidel uses it", *kNeedsDrag = "it needs air_drag above 0",
+                     *kNeedsWindGrid = "it needs wind_grid=1", *kNeedsWind = "it needs a wind that is not zero",
                      *kNeedsVolume = "it needs volume_stiffness above 0";
 constexpr VoidParameter kParameterRules[] = {
-    {"iterations", isOfRod, kNeedsCourse},
-    {"shape_rate", isOfRod, kNeedsCourse},
-    {"shape_rate_tip", isOfRod, kNeedsCourse},
-    {"damping_time", [](const P& p) { return !isOfRod(p); }, "it is of --solver rod"},
+    {"iterations", isOfRod, kNeedsGaussSeidel},
+    {"shape_rate", isOfRod, kNeedsGaussSeidel},
+    {"shape_rate_tip", isOfRod, kNeedsGaussSeidel},
+    {"damping_time", [](const P& p) { return !isOfRod(p); }, "only --solver rod uses it"},
     {"wind", hasNoDrag, kNeedsDrag},
     {"air_drag_along", hasNoDrag, kNeedsDrag},
     {"grid_cells", hasNoGrid, "it needs wind_grid=1, or volume_stiffness or hair_friction above 0"},
@@ -197,9 +197,9 @@ void checkParameters(const Settings& s, bool any_solver, std::vector<std::string
   const Parameters standard;
   for (const VoidParameter& rule : kParameterRules) {
     const auto given = s.given.find(std::string("parameters.") + rule.name);
-    const bool is_of_solver = rule.needs == kNeedsCourse || std::string(rule.name) == "damping_time";
+    const bool is_of_solver = rule.needs == kNeedsGaussSeidel || std::string(rule.name) == "damping_time";
     if (given == s.given.end() || !rule.is_void(parameters) || (any_solver && is_of_solver)) continue;
-    // Presets and the viewer name every parameter.
+    // Presets and the viewer name every parameter, so a default value does not count as given.
     if (parameter(parameters, rule.name) == parameter(standard, rule.name)) continue;
     told.push_back(
         fmt::format("{} is not used: {}", nameOf(given->first.c_str(), given->second), rule.needs));

@@ -6,20 +6,20 @@
 
 namespace strandcast {
 
-/// Settings that others make void, by the rules of one table (void_settings.cc). A setting is looked at where
-/// it was given, by option or by file: see Settings::given. A refused setting that a file has gives way where
-/// an option is what makes it void, and is told of.
+/// Checks for settings that others make void, by the tables in void_settings.cc. A setting is reported at its
+/// origin, an option or a file: see Settings::given. A refused setting of a file gives way where an option
+/// makes it void, and is then reported as a note.
 ///
-/// Throws Error for the first that is refused, naming its place and what to do. Gives a line for each of the
-/// others. `any_solver`: rules about one solver do not hold, because the program runs several.
+/// Throws Error for the first refused setting, naming its origin and the remedy. Returns a line for each of
+/// the others. `any_solver`: skips the rules about one solver, because the program runs several.
 std::vector<std::string> checkVoidSettings(const Settings& settings, bool any_solver = false);
 
-/// The same rules of the network alone: for programs with the options of addNetworkOptions() and no others.
+/// The network rules alone, for programs with only the options of addNetworkOptions().
 void refuseVoidNetwork(const Settings& settings);
 
-/// What a parameter needs that others may make void, "it needs wind_grid=1"; empty of one that none does.
+/// The condition under which a parameter has an effect, "it needs wind_grid=1"; empty where it always has.
 std::string needOf(const std::string& name);
-/// The same where it does nothing beside the others, or empty.
+/// That condition where it is not met by `parameters`; empty otherwise.
 std::string whyVoid(const Parameters& parameters, const std::string& name);
 
 }  // namespace strandcast

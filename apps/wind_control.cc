@@ -16,7 +16,7 @@
 namespace strandcast {
 namespace {
 
-/// Each number of these parts of a source goes to or from `number`, in order.
+/// Calls `number` with each number of these parts of a source, in the order of the wire format.
 template <class Source, class Number>
 void sourceNumbers(Source& source, WindSourceParts parts, const Number& number) {
   for (int c = 0; c < 3 && (parts & kSourcePosition) != 0; ++c) number(source.position[c]);
@@ -25,7 +25,7 @@ void sourceNumbers(Source& source, WindSourceParts parts, const Number& number) 
     if ((parts & known.part) != 0) number(source.*known.into);
 }
 
-/// From the numbers of a command behind its first `before`; throws Error where they are not so many.
+/// Reads a source from a command's values after the first `before`. Throws Error where their count differs.
 void readSource(const std::vector<double>& values, size_t before, WindSourceParts parts, WindSource& source,
                 const std::string& where) {
   size_t next = before;
@@ -41,7 +41,7 @@ void readSource(const std::vector<double>& values, size_t before, WindSourcePart
 
 void checkPlace(const WindSource& source, const std::string& where) {
   if (!(source.position.cwiseAbs().maxCoeff() <= float{kFarthestPlace}))
-    throw Error("a source of wind is too far away", where,
+    throw Error("the position of a source of wind is too far away", where,
                 fmt::format("give x y z in metres, each within {}", kFarthestPlace));
 }
 
@@ -86,7 +86,7 @@ WindSource windSourceOf(const std::vector<double>& values, const std::string& wh
   const double kind = values.empty() ? -1 : values[0];
   constexpr double kLastKind = static_cast<double>(WindSource::Kind::kTurbine);
   if (kind != std::floor(kind) || !(kind >= 0 && kind <= kLastKind))
-    throw Error("a source of wind is of no known kind", where, "0 is a cone, 1 a sphere, 2 a turbine");
+    throw Error("unknown kind of wind source", where, "0 is a cone, 1 a sphere, 2 a turbine");
   WindSource source;
   source.kind = static_cast<WindSource::Kind>(static_cast<int>(kind));
   readSource(values, 1, kAllSourceParts, source, where);
@@ -107,18 +107,18 @@ NamedWindSource& WindControl::find(const std::string& name, const std::string& w
   }
   const std::string near = didYouMean(name, names);
   const std::string there =
-      names.empty() ? "there are none" : fmt::format("there are {}", fmt::join(names, ", "));
-  throw Error("there is no source of wind '" + name + "'", where, near.empty() ? there : near);
+      names.empty() ? "no source exists" : fmt::format("known sources: {}", fmt::join(names, ", "));
+  throw Error("unknown source of wind '" + name + "'", where, near.empty() ? there : near);
 }
 
 void WindControl::replace(std::vector<NamedWindSource> sources, const std::string& where) {
-  SteeredAir* const air = steeredAir(simulation_.surroundings());
+  SteeredAir* const air = steeredAir(simulation_.externalForces());
   if (air == nullptr)
-    throw Error("sources of wind do not run on this backend", where,
+    throw Error("this backend does not support wind sources", where,
                 "choose --backend simd, gpu or reference");
   air->setSources(withoutNames(sources));
   try {
-    simulation_.setParameters(simulation_.parameters());  // looks anew whether air is needed
+    simulation_.setParameters(simulation_.parameters());  // re-evaluates whether air is needed
   } catch (const Error&) {
     air->setSources(withoutNames(sources_));
     throw;
@@ -130,10 +130,11 @@ void WindControl::add(const Command& command, const std::string& where) {
   checkWindSourceName(command.name, where);
   for (const NamedWindSource& known : sources_)
     if (known.name == command.name)
-      throw Error("there is a source of wind '" + command.name + "'", where,
-                  "give it a name of its own, or move that one");
+      throw Error("a source of wind has the same name: '" + command.name + "'", where,
+                  "give it a unique name, or move the existing source");
   if (sources_.size() >= kMostWindSources)
-    throw Error(fmt::format("there are {} sources of wind", sources_.size()), where, "remove one first");
+    throw Error(fmt::format("{} sources of wind exist, the most that a daemon takes", sources_.size()), where,
+                "remove one first");
   std::vector<NamedWindSource> sources = sources_;
   sources.push_back({command.name, windSourceOf(command.values, where)});
   checkPlace(sources.back().source, where);
@@ -144,21 +145,21 @@ void WindControl::move(const Command& command, const std::string& where) {
   const NamedWindSource& known = find(command.name, where);
   const std::vector<double>& v = command.values;
   if (v.size() < 2 || v[0] != std::floor(v[0]) || v[0] < 1 || v[0] > kAllSourceParts)
-    throw Error("a move of a source of wind says of no part where it goes", where,
-                "give the sum of the bits of its parts, seconds, and the parts");
+    throw Error("a wind source move names no valid parts", where,
+                "give the sum of the parts' bits, the seconds, and the values of the parts");
   if (!(v[1] >= 0 && v[1] <= kLongestWay))
-    throw Error(fmt::format("a source of wind takes 0 to {:g} s to move", kLongestWay), where, "");
+    throw Error(fmt::format("a move of a source of wind takes 0 to {:g} s", kLongestWay), where, "");
   const auto parts = static_cast<WindSourceParts>(v[0]);
   if ((parts & partsOf(known.source.kind)) == 0)
     throw Error(fmt::format("a {} has no {}", windSourceKindName(known.source.kind),
                             unusedParts(known.source.kind, parts)),
-                where, "move something else of it");
+                where, "move a value that this kind has");
   WindSource to = known.source;
   readSource(v, 2, parts, to, where);
   if ((parts & kSourcePosition) != 0) checkPlace(to, where);
-  for (Way& way : ways_)
-    if (way.name == command.name) way.parts &= ~parts;  // other parts go on
-  std::erase_if(ways_, [](const Way& way) { return way.parts == 0; });
+  for (Ramp& way : ways_)
+    if (way.name == command.name) way.parts &= ~parts;  // the other parts keep moving
+  std::erase_if(ways_, [](const Ramp& way) { return way.parts == 0; });
   ways_.push_back({command.name, parts, known.source, to, simulation_.time(), v[1]});
 }
 
@@ -167,17 +168,17 @@ void WindControl::remove(const Command& command, const std::string& where) {
   std::vector<NamedWindSource> left = sources_;
   std::erase_if(left, [&](const NamedWindSource& known) { return known.name == command.name; });
   replace(std::move(left), where);
-  std::erase_if(ways_, [&](const Way& way) { return way.name == command.name; });
+  std::erase_if(ways_, [&](const Ramp& way) { return way.name == command.name; });
 }
 
-void WindControl::goOnWith(std::vector<NamedWindSource> sources, std::vector<Way> ways,
+void WindControl::goOnWith(std::vector<NamedWindSource> sources, std::vector<Ramp> ways,
                            const std::string& where) {
   for (const NamedWindSource& source : sources) {
     checkWindSourceName(source.name, where);
     checkWindSource(source.source, where);
   }
   if (sources.size() > kMostWindSources)
-    throw Error(fmt::format("there are {} sources of wind", sources.size()), where, "remove some");
+    throw Error(fmt::format("{} sources of wind are too many", sources.size()), where, "remove some");
   const auto valuesOf = [](const std::vector<NamedWindSource>& all) {
     std::vector<std::pair<std::string, std::vector<double>>> values;
     for (const auto& [name, source] : all) values.emplace_back(name, windSourceValues(source));
@@ -189,13 +190,13 @@ void WindControl::goOnWith(std::vector<NamedWindSource> sources, std::vector<Way
 
 void WindControl::goOn(double time) {
   if (ways_.empty()) return;
-  for (const Way& way : ways_) {
-    const auto part = static_cast<float>(partGone(time - way.start, way.seconds));
+  for (const Ramp& way : ways_) {
+    const auto part = static_cast<float>(easedFraction(time - way.start, way.seconds));
     for (NamedWindSource& moved : sources_)
       if (moved.name == way.name) take(moved.source, between(way.from, way.to, part), way.parts);
   }
-  std::erase_if(ways_, [&](const Way& way) { return time - way.start >= way.seconds; });
-  steeredAir(simulation_.surroundings())->setSources(withoutNames(sources_));
+  std::erase_if(ways_, [&](const Ramp& way) { return time - way.start >= way.seconds; });
+  steeredAir(simulation_.externalForces())->setSources(withoutNames(sources_));
 }
 
 }  // namespace strandcast

@@ -8,54 +8,56 @@
 
 namespace strandcast {
 
-/// The sources of wind of a daemon as commands change them: docs/wire.md, kinds 11 to 13. Commands
-/// that it refuses throw Error, naming `where`, and leave everything as it was.
+/// A daemon's wind sources as commands change them: docs/wire.md, kinds 11 to 13. A refused command throws
+/// Error, naming `where`, and changes nothing (strong exception guarantee).
 class WindControl {
  public:
-  /// Those that `simulation` was made with. It outlives this.
+  /// `sources`: those that `simulation` was made with. `simulation` must outlive this.
   WindControl(std::vector<NamedWindSource> sources, Simulation& simulation)
       : sources_(std::move(sources)), simulation_(simulation) {}
 
+  /// Execute the commands of kinds 11, 12 and 13.
   void add(const Command& command, const std::string& where);
   void move(const Command& command, const std::string& where);
   void remove(const Command& command, const std::string& where);
-  /// Where moves have them at `time`, s of simulation: the end of the step that follows.
+  /// Moves sources to `time`, s of simulation: the end of the next step.
   void goOn(double time);
 
   const std::vector<NamedWindSource>& sources() const { return sources_; }
-  /// Of some parts of a source, until they are there.
-  struct Way {
+  /// The motion of some parts of a source, until its end.
+  struct Ramp {
     std::string name;
     WindSourceParts parts;
     WindSource from, to;
     double start, seconds;  ///< of simulation time
   };
-  const std::vector<Way>& ways() const { return ways_; }
-  /// These in place of its own, as another daemon has them. Throws Error, naming `where`, where they are not
-  /// sound, and leaves everything as it was.
-  void goOnWith(std::vector<NamedWindSource> sources, std::vector<Way> ways, const std::string& where);
+  const std::vector<Ramp>& ways() const { return ways_; }
+  /// Replaces sources and motions by those of another daemon. Throws Error, naming `where`, on invalid ones,
+  /// and changes nothing.
+  void goOnWith(std::vector<NamedWindSource> sources, std::vector<Ramp> ways, const std::string& where);
 
  private:
   NamedWindSource& find(const std::string& name, const std::string& where);
-  /// Has the simulation blow with these in place of sources_, from which one came or went.
+  /// Sets the simulation's sources; sources_ takes them only where that succeeds.
   void replace(std::vector<NamedWindSource> sources, const std::string& where);
 
   std::vector<NamedWindSource> sources_;
-  std::vector<Way> ways_;
+  std::vector<Ramp> ways_;
   Simulation& simulation_;
 };
 
-/// The parts that a source of this kind uses: a cone no radius and swirl, a turbine no angle, a sphere
-/// position, radius and speed alone.
+/// The parts that a source of this kind uses: a cone has no radius and swirl, a turbine no angle, a sphere
+/// only position, radius and speed.
 WindSourceParts partsOf(WindSource::Kind kind);
-/// "direction, angle" of those of `parts` that a source of this kind does not use; empty where it uses all.
+/// The names of those `parts` that a source of this kind does not use: "direction, angle"; empty where it
+/// uses all.
 std::string unusedParts(WindSource::Kind kind, WindSourceParts parts);
 
-/// The numbers of a command that adds a source: kind, position, direction, and windSourceNumbers() in SI.
+/// The values of a command that adds a source: kind, position, direction, and windSourceNumbers() in SI.
 std::vector<double> windSourceValues(const WindSource& source);
-/// The source of these values; throws Error, naming `where`, where they are not sound.
+/// Parses such values. Throws Error, naming `where`, on invalid ones.
 WindSource windSourceOf(const std::vector<double>& values, const std::string& where);
-/// Those of one that moves it: which parts, the seconds that it takes, and these parts of `to`, in the order
+/// The values of a command that moves a source: parts, duration in s, and these parts of `to`, in the order
 /// of windSourceValues().
 std::vector<double> windMoveValues(const WindSource& to, WindSourceParts parts, double seconds);
 

@@ -12,9 +12,9 @@
 namespace strandcast {
 namespace {
 
-constexpr double kWarmUp = 0.5;  // s of simulation before the film
+constexpr double kWarmUp = 0.5;  // s of simulation before the film begins
 
-/// All that is asked for, or false.
+/// Writes all positions; false on failure.
 bool writeAll(int file, std::span<const Vec3> positions) {
   const char* from = reinterpret_cast<const char*>(positions.data());
   for (size_t left = positions.size_bytes(); left > 0;) {
@@ -33,7 +33,8 @@ std::unique_ptr<Film> makeFilm(int strands) {
   settings.scene.name = "wavy";
   settings.scene.strands = strands;
   settings.scene.vertices = kFilmVertices;
-  settings.parameters.emplace_back("time_step", std::vector<double>{1 / kFilmRate});  // no picture twice
+  // One step per frame, so that no two frames are equal.
+  settings.parameters.emplace_back("time_step", std::vector<double>{1 / kFilmRate});
   Scene scene = makeScene(settings.scene, {});
   Simulation simulation = makeSimulation(scene, settings);
   auto film = std::make_unique<Film>();
@@ -68,7 +69,7 @@ SharedFilm::SharedFilm(const Film& film) : file_(memfd_create("strandcast film",
   for (const GuideFrame& frame : film.frames) is_whole = is_whole && writeAll(file_, frame.positions);
   if (is_whole) return;
   if (file_ >= 0) close(file_);
-  throw Error("there is no memory for what is to be compared",
+  throw Error("no shared memory for the film to compare with",
               fmt::format("{} guides", film.groom.guides.strands()), "choose fewer with --only");
 }
 
@@ -87,7 +88,8 @@ MappedFilm::MappedFilm(const std::string& path) {
     start = mmap(nullptr, static_cast<size_t>(status.st_size), PROT_READ, MAP_SHARED | MAP_POPULATE, file, 0);
   }
   if (file >= 0) close(file);
-  if (start == MAP_FAILED) throw Error("this is no film", path, "it is made by `strandcast validate wire`");
+  if (start == MAP_FAILED)
+    throw Error("this file is not a film", path, "it is made by `strandcast validate wire`");
   positions_ = static_cast<const Vec3*>(start);
 }
 

@@ -28,8 +28,9 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kGroomPatience = 20s, kReadyPatience = 30s, kReadingPatience = 10s;
-constexpr auto kRepairTime = 1s;     // that the last frames may take after the last was cast
-constexpr uint64_t kLookEvery = 10;  // frames: each one would take the machine from what is measured
+constexpr auto kRepairTime = 1s;     // allowance for repairs of the last frames after the last was sent
+constexpr uint64_t kLookEvery = 10;  // compares every tenth frame: comparing each one would load the machine
+                                     // under measurement
 
 double worstErrorMm(std::span<const Vec3> received, std::span<const Vec3> sent) {
   if (received.size() != sent.size()) return std::numeric_limits<double>::quiet_NaN();
@@ -45,7 +46,7 @@ int read(const WireReaderOptions& o) {
                                                      ? makeLcmSubscriber({lcmUrl(o.domain), 1, 0, {}})
                                                      : makeDdsSubscriber({o.domain, 1, 0, {}});
   if (!subscriber->waitForGroom(kGroomPatience))
-    throw Error("the groom does not arrive", fmt::format("{}, domain {}", o.transport, o.domain),
+    throw Error("the groom did not arrive", fmt::format("{}, domain {}", o.transport, o.domain),
                 "is the network interface lo up?");
   fmt::print("ready\n");
   std::fflush(stdout);
@@ -85,10 +86,10 @@ int read(const WireReaderOptions& o) {
 Verb addWireReader(CLI::App& app) {
   const auto o = std::make_shared<WireReaderOptions>();
   app.add_option("--transport", o->transport, "dds or lcm")->check(CLI::IsMember({"dds", "lcm"}))->required();
-  app.add_option("--domain", o->domain, "of it")->transform(wholeRange(0, 232))->required();
-  app.add_option("--last-frame", o->last_frame, "after which it ends")->required();
+  app.add_option("--domain", o->domain, "domain of the transport")->transform(wholeRange(0, 232))->required();
+  app.add_option("--last-frame", o->last_frame, "frame number after which the reader ends")->required();
   app.add_option("--rate", o->rate, "frames per second")->check(CLI::IsMember({60.0, 120.0}))->required();
-  app.add_option("--film", o->film, "what is cast, to compare with")->required();
+  app.add_option("--film", o->film, "file of the published frames, to compare with")->required();
   return [o] { return read(*o); };
 }
 
@@ -103,7 +104,7 @@ std::optional<WireReading> WireReader::reading() {
   process_.endInput();
   nlohmann::json read = nlohmann::json::parse(process_.line(kReadingPatience).value_or(""), nullptr, false);
   if (!read.is_object()) return std::nullopt;
-  // What is not a number is null in JSON.
+  // JSON has no NaN: it is written as null.
   if (read["worst_error_mm"].is_null()) read["worst_error_mm"] = std::nan("");
   return read.get<WireReading>();
 }

@@ -11,23 +11,23 @@
 
 namespace strandcast {
 
-/// Declares the verb `wire-reader`, the other process of the suite "wire": a reader of a film that is cast.
-/// It prints "ready" when it has the groom and, after the last frame or a second after its input ended, one
-/// line of JSON, a WireReading.
+/// Declares the verb `wire-reader`, the child process of the suite "wire", which receives a film. It prints
+/// "ready" once it has the groom. After the last frame, or a second after its input ended, it prints one line
+/// of JSON, a WireReading.
 Verb addWireReader(CLI::App& app);
 
-/// What the reader received.
+/// What the reader process measured.
 struct WireReading {
   uint64_t frames_whole = 0, frames_concealed = 0;
-  double processor_seconds = 0;  ///< of all its threads since it was ready, without comparing
-  /// The farthest that a vertex is from where it was in the film, mm, over about every tenth whole frame; not
-  /// a number where none was looked at.
+  double processor_seconds = 0;  ///< s, of all its threads since "ready", without the comparisons
+  /// Largest distance of a received vertex from the film, mm, over about every tenth complete frame; NaN
+  /// where none was compared.
   double worst_error_mm = 0;
-  /// Number of each frame and when it was complete, ns by the steady clock.
+  /// Number of each frame and its completion time, ns by the steady clock.
   std::vector<std::pair<uint64_t, int64_t>> arrivals;
 };
 
-/// How the reader is told what to receive.
+/// Arguments for the reader process.
 struct WireReaderOptions {
   std::string transport;  ///< "dds" or "lcm"
   int domain = 0;
@@ -36,15 +36,15 @@ struct WireReaderOptions {
   std::string film;  ///< SharedFilm::path()
 };
 
-/// That process, from the publisher's. Waits for it are bounded, whatever becomes of it.
+/// The reader process, as seen from the publisher's process. All waits for it are bounded.
 class WireReader {
  public:
   explicit WireReader(const WireReaderOptions& options);
-  /// False when it ended or does not get the groom within half a minute.
+  /// Waits for "ready". False where the process ended or has no groom within 30 s.
   bool waitReady();
-  /// Once the last frame is cast. Nothing when it ended or does not answer within ten seconds.
+  /// Call after the last frame was sent. Empty where the process ended or does not answer within 10 s.
   std::optional<WireReading> reading();
-  /// Why there is no reading, for people. Ends it.
+  /// Why there is no reading, as text. Ends the process.
   std::string failure() { return "the reader " + process_.end(); }
 
  private:

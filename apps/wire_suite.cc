@@ -25,8 +25,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kSeconds = 2;  // of casting
-// Where the latency has a limit: of some hundred frames the hundredth part is more than one mishap.
+constexpr double kSeconds = 2;  // duration of a case
+// s, where the 99th percentile of the latency has a limit: with 600 frames a hundredth is more than one
+// outlier.
 constexpr double kPromisedSeconds = 10;
 constexpr double kUnloadedSeconds = 1.5;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
@@ -44,7 +45,7 @@ struct Setting {
   }
 };
 
-/// A film and what the reader knows of it. Large: only the newest is kept.
+/// A film and its copy for the reader. Large: only the newest is kept.
 struct Showing {
   explicit Showing(int strands) : film(makeFilm(strands)), shared(*film) {}
   std::unique_ptr<Film> film;
@@ -95,21 +96,22 @@ void sleepUntilFrame(Clock::time_point start, uint64_t number, double rate) {
                                     std::chrono::duration<double>(static_cast<double>(number) / rate)));
 }
 
-/// What became of a film that was cast.
+/// Measurements of a film that was sent.
 struct Cast {
   uint64_t frames = 0, bytes = 0;
   EncodingReport encoding;       // of the last frame
-  double seconds = 0;            // from the first to the last
-  double processor_seconds = 0;  // of the publisher's process
+  double seconds = 0;            // s, from the first to the last frame
+  double processor_seconds = 0;  // s, of the publisher's process
   WireReading read;
   std::vector<double> latencies_ms;  // by the steady clock, which both processes share
-  std::string failure;               // of the reader; then nothing else counts
+  std::string failure;               // of the reader; if not empty, all other members are invalid
 };
 
-/// From this process to one of its own that reads.
+/// Sends from this process to a reader process of its own.
 Cast castTo(const Setting& setting, Showing& showing, double seconds) {
   if (g_interrupted) throw Laboratory::Stopped();
-  const int domain = 3 + static_cast<int>(getpid() % 98);  // with ports that nothing is given by chance
+  const int domain = 3 + static_cast<int>(getpid() % 98);  // a domain whose ports are not in the ephemeral
+                                                           // range
   Cast cast;
   cast.frames = static_cast<uint64_t>(seconds * setting.rate);
   const std::unique_ptr<Publisher> publisher = makePublisher(setting, domain);
@@ -121,7 +123,7 @@ Cast castTo(const Setting& setting, Showing& showing, double seconds) {
     return cast;
   };
   if (!reader.waitReady()) return failed();
-  // An end that does not know its reader yet would seem to lose frames.
+  // A publisher whose reader is not matched yet would seem to lose frames.
   for (int i = 0; i < 1000 && publisher->matchedReaders() == 0; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
 
@@ -150,13 +152,13 @@ Cast castTo(const Setting& setting, Showing& showing, double seconds) {
   return cast;
 }
 
-/// ms; not a number where nothing came.
+/// Quantile `part` of the latency, ms; NaN where no frame arrived.
 double latencyOf(const Cast& cast, double part) {
   return cast.latencies_ms.empty() ? kUnknown : quantileOf(cast.latencies_ms, part);
 }
 
-/// The 99th percentile of the latency, ms, of frames with next to nothing in them: what this machine and its
-/// network take whatever is cast. Measured once per transport and rate.
+/// The 99th percentile of the latency, ms, for frames of a single strand: the floor set by this machine and
+/// its network. Measured once per transport and rate.
 double unloadedLatency(Setting setting) {
   static std::map<std::pair<std::string, double>, double> measured;
   const auto [place, is_new] = measured.try_emplace({setting.transport, setting.rate}, 0);
@@ -193,8 +195,8 @@ std::vector<Case> casesOf(const Setting& setting) {
       bytesLimit(setting.codec) * (1 + 1e-12));
   add("worst distance of a received vertex", "mm", cast.read.worst_error_mm,
       setting.codec == Codec::kFloat32 ? 0 : kMaxErrorMm * 1.000001);
-  if (std::isnan(cast.read.worst_error_mm)) note("no frame came whole");
-  add("frames that did not come whole", "frames", frames - static_cast<double>(cast.read.frames_whole),
+  if (std::isnan(cast.read.worst_error_mm)) note("no frame arrived completely");
+  add("frames that did not arrive completely", "frames", frames - static_cast<double>(cast.read.frames_whole),
       is_promised ? 0 : kUnlimited);
   note(fmt::format("{} frames; {} concealed; {} strands sent finer in the last", cast.frames,
                    cast.read.frames_concealed, cast.encoding.strands_sent_finer));
@@ -202,17 +204,17 @@ std::vector<Case> casesOf(const Setting& setting) {
   add("publish to decoded, 99th percentile", "ms", latencyOf(cast, 0.99), is_promised ? 5 : kUnlimited);
   note(fmt::format("of {} frames; unloaded {:.3f} ms; load average {:.2f} before", cast.latencies_ms.size(),
                    unloaded_ms, load));
-  add("processor of the process that encodes and sends, of one core", "%",
+  add("processor time of the process that encodes and sends, of one core", "%",
       100 * cast.processor_seconds / cast.seconds, kUnlimited);
-  add("processor of the process that receives and decodes, of one core", "%",
+  add("processor time of the process that receives and decodes, of one core", "%",
       100 * cast.read.processor_seconds / cast.seconds, kUnlimited);
   return cases;
 }
 
 Suite makeWireSuite() {
   Suite suite{"wire",
-              "bytes, error, losses, latency and processor time of simulated hair cast between two processes "
-              "(5 minutes)",
+              "bytes, error, losses, latency and processor time of simulated hair published between two "
+              "processes (5 minutes)",
               {}};
   std::vector<std::string> transports;
   if (ddsAvailable()) transports.emplace_back("dds");

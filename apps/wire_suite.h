@@ -3,9 +3,9 @@
 
 namespace strandcast {
 
-/// "wire": simulated hair cast and received on this machine, for each transport, codec, number of guides and
-/// rate. What is promised has a limit; where nothing is, the limit is infinite and the number is told. Does
-/// not look at the laboratory's backend. Cases stand beside what else runs on the machine.
+/// "wire": simulated hair sent and received on this machine, for each transport, codec, number of guides and
+/// rate. Documented promises have a limit; other quantities have an infinite limit and are reported only.
+/// Ignores the laboratory's backend. Other load on the machine affects the results.
 const Suite& wireSuite();
 
 }  // namespace strandcast

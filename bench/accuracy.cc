@@ -1,4 +1,4 @@
-#include "bench/accuracy.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -32,7 +32,7 @@ struct AccuracyResult {
   Parameters parameters;
   StrandError straight, curl;
   double cost = std::numeric_limits<double>::infinity();  // s per vertex and frame
-  double relative_cost = 0;                               // to the rod at one substep
+  double relative_cost = 0;                               // relative to the rod at one substep
 };
 
 std::vector<Parameters> ladder(const AccuracyOptions& o) {
@@ -84,9 +84,9 @@ PlotPanel panelOf(const std::string& title, const std::vector<AccuracyResult>& r
 }
 
 void writePlot(const std::filesystem::path& file, const std::vector<AccuracyResult>& results) {
-  writeText(file, logLogPlot("cost of a frame, in that of the rod at one substep",
+  writeText(file, logLogPlot("cost of a frame, relative to the rod at one substep",
                              "rms error of the shaken tip, mm",
-                             "Beside the points: substeps of the rod, iterations of gauss_seidel.",
+                             "Labels: substeps of the rod, iterations of gauss_seidel.",
                              {panelOf("straight, 25 cm", results, &AccuracyResult::straight),
                               panelOf("curl, 25 cm", results, &AccuracyResult::curl)}));
 }
@@ -156,28 +156,28 @@ void printTable(const std::vector<AccuracyResult>& results, const ShakenStrand& 
       fmt::print("  {:>8.2f} {:>8.2f} {:>9.2g} ", 1e3 * e->tip, 1e3 * e->rest, 1e2 * e->max_stretch);
     fmt::print("\n");
   }
-  fmt::print("the truth's own error: {:.3f} mm straight, {:.3f} mm curl\n", 1e3 * straight.truth_error,
-             1e3 * curl.truth_error);
+  fmt::print("error of the reference solution: {:.3f} mm straight, {:.3f} mm curl\n",
+             1e3 * straight.truth_error, 1e3 * curl.truth_error);
 }
 
 int accuracy(const AccuracyOptions& o) {
   const std::vector<Parameters> settings = ladder(o);
   if (settings.empty())
-    throw Error("no setting is left to measure", fmt::format("--sweeps {}", o.sweeps),
+    throw Error("--sweeps leaves no setting to measure", fmt::format("--sweeps {}", o.sweeps),
                 "allow more sweeps, or fewer substeps and iterations");
   std::vector<AccuracyResult> results;
   ShakenStrand straight, curl;
   {
     ProgressBar bar;
     const auto jobs = static_cast<double>(2 * settings.size() + 1);
-    bar.show("the truth", 0);
+    bar.show("reference solution", 0);
     straight = straightTruth();
     curl = curlTruth();
     for (const Parameters& p : settings) {
       bar.show("error of " + seriesName(p), (1 + static_cast<double>(results.size())) / jobs);
       results.push_back({p, errorOf(straight, p), errorOf(curl, p)});
     }
-    // In rounds, so that what else the machine does for a while is not the cost of one setting.
+    // Settings are timed in rounds, so that a transient load on the machine does not fall on one setting.
     Parameters unit;
     unit.solver = SolverKind::kRod;
     unit.substeps = 1;
@@ -214,14 +214,15 @@ std::function<int()> addAccuracy(CLI::App& app) {
   const auto o = std::make_shared<AccuracyOptions>();
   app.footer(
       "Frames of 1/60 s.\n"
-      "cost: a frame of many copies of both strands on the simd backend, the shortest there was.\n"
-      "tip:  rms distance of a shaken strand's tip from that of an exact rod with the same vertices, over\n"
+      "cost: least time of a frame of many copies of both strands on the simd backend.\n"
+      "tip:  rms distance of a shaken strand's tip from the tip of an exact rod with the same vertices, "
+      "over\n"
       "      1.5 s (validation/newton_rod.h).\n"
-      "rest: rms distance of the vertices from that rod's at rest, root upright and level.\n"
-      "gauss_seidel knows no Young's modulus: for every setting and strand it gets the shape rates that "
-      "make\n"
-      "its rest error least, of 60 pairs: an iteration restores 0 to 99.9 % of the shape at the root, and\n"
-      "from none of that to all of it at the tip.\n"
+      "rest: rms distance of the vertices from those of that rod at rest, with the root upright and level.\n"
+      "gauss_seidel has no Young's modulus: each setting and strand uses the shape rates that minimise its\n"
+      "rest error, of 60 pairs. An iteration restores 0 to 99.9 % of the shape at the root, and from none "
+      "to\n"
+      "all of that at the tip.\n"
       "Examples:\n"
       "  strandbench accuracy --plot accuracy.svg\n"
       "  strandbench accuracy --solvers rod --substeps 1,4 --json");
@@ -229,30 +230,30 @@ std::function<int()> addAccuracy(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember({"rod", "gauss_seidel"}))
       ->capture_default_str();
-  app.add_option("--substeps", o->substeps, "a frame, ascending")
+  app.add_option("--substeps", o->substeps, "substeps per frame, ascending")
       ->delimiter(',')
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  app.add_option("--iterations", o->iterations, "of gauss_seidel, a substep, ascending")
+  app.add_option("--iterations", o->iterations, "iterations of gauss_seidel per substep, ascending")
       ->delimiter(',')
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_option("--sweeps", o->sweeps, "leave out settings with more substeps x iterations than this")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  app.add_option("--copies", o->copies, "of each strand, where cost is measured")
+  app.add_option("--copies", o->copies, "copies of each strand in the cost measurement")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  app.add_option("--rounds", o->rounds, "in each of which the cost of every setting is measured once")
+  app.add_option("--rounds", o->rounds, "rounds; each measures the cost of every setting once")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--frames", o->frames, "a round; the shortest of all rounds is the cost")
+  app.add_option("--frames", o->frames, "frames per round; the least frame time of all rounds is the cost")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--threads", o->threads, "where cost is measured; 0 = all")
+  app.add_option("--threads", o->threads, "threads of the cost measurement; 0 = all")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  app.add_option("--plot", o->plot, "also draw tip error against cost into this SVG file");
+  app.add_option("--plot", o->plot, "also plot tip error against cost into this SVG file");
   app.add_flag("--json", o->json, "print one JSON object");
   app.add_flag("--csv", o->csv, "print comma-separated values");
   return [o] { return accuracy(*o); };

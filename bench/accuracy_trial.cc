@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kEdges = 32;
 constexpr double kLength = 0.25;    // m
-constexpr int kTruthSubsteps = 96;  // a frame: 5760 a second
+constexpr int kTruthSubsteps = 96;  // per frame: 5760 per second
 constexpr float kFrame = StrandTrial::kFrame, kSettlingDrag = StrandTrial::kSettlingDrag,
                 kDrag = StrandTrial::kDrag;
 constexpr int kFrames = StrandTrial::kFrames, kSettlingFrames = StrandTrial::kSettlingFrames;
@@ -30,7 +30,7 @@ Parameters truthParameters(int substeps, float drag) {
   return parameters;
 }
 
-// Upright and level.
+// The strand twice: upright and level.
 StrandModel inBothPoses(const StrandPoints& points) {
   const Quat level(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2, Eigen::Vector3f::UnitZ()));
   StrandPoints turned;
@@ -74,7 +74,7 @@ ShakenStrand truthOf(const StrandPoints& points, const Shake& shake) {
   return out;
 }
 
-// Both poses at rest, under the settling drag.
+// A simulation of both poses at rest, settled under kSettlingDrag.
 Simulation rested(const ShakenStrand& strand, Parameters parameters) {
   parameters.air_drag = kSettlingDrag;
   Simulation simulation(strand.poses, {}, parameters, makeSimdBackend(1));

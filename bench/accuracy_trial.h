@@ -7,48 +7,50 @@
 
 namespace strandcast {
 
-/// By 0.1 m and 45 degrees at 1 Hz, which grows over half a second.
+/// Amplitude 0.1 m and 45 degrees at 1 Hz, ramped over 0.5 s.
 inline constexpr Shake kSlowShake{.ramp = 0.5};
 
-/// How every strand is tried: frames of 1/60 s; the root goes straight from one to the next, for the truth as
-/// for the solvers. It settles under much drag, then its root is shaken.
+/// The protocol of every trial, with frames of 1/60 s. The strand settles under high drag, then its root is
+/// shaken. The root's pose is interpolated between frames, for the reference as for the solvers.
 struct StrandTrial {
   static constexpr float kFrame = 1.0f / 60.0f;              ///< s
-  static constexpr int kSettlingFrames = 240, kFrames = 90;  ///< 4 s, and 1.5 s of shaking
+  static constexpr int kSettlingFrames = 240, kFrames = 90;  ///< 4 s of settling, and 1.5 s of shaking
   static constexpr float kSettlingDrag = 10, kDrag = 2;      ///< 1/s
-  static Pose rootAt(int frame, const Shake& shake) {        ///< relative to rest
+  static Pose rootAt(int frame, const Shake& shake) {        ///< relative to the rest pose
     return shakenRoot(static_cast<double>(frame) * kFrame, shake);
   }
 };
 
-/// A strand of 25 cm and what it truly does, by NewtonRod: its two rest shapes, and the way of its tip while
-/// its root is shaken.
+/// A strand of 25 cm with its reference solution by NewtonRod: both rest shapes, and the trajectory of the
+/// tip while the root is shaken.
 struct ShakenStrand {
   Shake shake;
-  std::vector<Vec3> points;                        ///< upright, as made, m
-  StrandModel poses;                               ///< the strand twice: its root upright, then level
-  std::vector<std::vector<Eigen::Vector3d>> rest;  ///< per pose, per vertex, m
-  std::vector<Eigen::Vector3d> tip;                ///< per frame, m, of the upright one
-  double truth_error = 0;  ///< m, rms distance of the tip to that of the truth at half its rate
+  std::vector<Vec3> points;                        ///< upright, as groomed, m
+  StrandModel poses;                               ///< the strand twice: root upright, then level
+  std::vector<std::vector<Eigen::Vector3d>> rest;  ///< rest shapes per pose and vertex, m
+  std::vector<Eigen::Vector3d> tip;                ///< trajectory of the upright strand's tip, per frame, m
+  double truth_error = 0;  ///< m, rms difference of the tip between the reference and one at half its substep
+                           ///< rate
 };
+/// Compute the reference of a straight strand and of a helix of radius 1 cm.
 ShakenStrand straightTruth(const Shake& shake = kSlowShake);
 ShakenStrand curlTruth(const Shake& shake = kSlowShake);
 
-/// How a solver with some parameters does on a strand.
+/// Error of a solver with given parameters on a strand.
 struct StrandError {
-  float shape_rate = 0, shape_rate_tip = 0;  ///< 1/s, that it was done with
-  double rest = 0;  ///< m, rms distance of the vertices of both rest shapes from the true ones
-  double tip = 0;   ///< m, rms distance of the shaken tip from the true one
-  double mean_stretch = 0, max_stretch = 0;  ///< of both, while shaken
+  float shape_rate = 0, shape_rate_tip = 0;  ///< 1/s, the rates used
+  double rest = 0;  ///< m, rms distance of the vertices of both rest shapes from the reference
+  double tip = 0;   ///< m, rms distance of the shaken tip from the reference
+  double mean_stretch = 0, max_stretch = 0;  ///< of both poses, while shaken
 };
-/// `parameters` as they are, but for time step, drag and, for gauss_seidel, the shape rates: that solver does
-/// not know Young's modulus, so it gets those of all on a grid with which its rest shapes are nearest to the
-/// true ones. On the simd backend.
+/// Uses `parameters` except for time step, drag and, for gauss_seidel, the shape rates. That solver has no
+/// Young's modulus, so the shape rates are those of a grid that minimise its rest error. Runs on the simd
+/// backend.
 StrandError errorOf(const ShakenStrand& strand, Parameters parameters);
-/// The same with the shape rates that are given.
+/// The same with the shape rates of `parameters`.
 StrandError errorWith(const ShakenStrand& strand, Parameters parameters);
 
-/// Time of one frame of `copies` of both strands, shaken, per vertex: the shortest of `frames`, s.
+/// Time per vertex of one frame of `copies` of both shaken strands, s: the minimum over `frames` frames.
 double costOf(const ShakenStrand& straight, const ShakenStrand& curl, Parameters parameters, int copies,
               int frames, int threads);
 

@@ -1,4 +1,4 @@
-#include "bench/all_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 #include <sys/wait.h>
@@ -37,9 +37,9 @@ struct AllOptions {
   PrintOptions print;
 };
 
-/// One call of this program whose CSV is kept.
+/// One invocation of this program whose CSV is kept.
 struct Job {
-  std::string name;  // of the file
+  std::string name;  // of the CSV file
   std::string arguments;
 };
 
@@ -67,7 +67,7 @@ std::vector<Job> jobsOf(const AllOptions& o) {
       {"wire", "wire" + quick},
       {"end_to_end", fmt::format("end-to-end --hairs 0 --seconds {}", o.thorough ? 20 : 4)}};
   if (gl != Graphics::kNone) {
-    // A processor grows fewer hairs.
+    // Fewer hairs on a software OpenGL.
     jobs.push_back(
         {"end_to_end_grown", fmt::format("end-to-end --hairs {} --seconds {}",
                                          gl == Graphics::kHardware ? 50000 : 1000, o.thorough ? 20 : 4)});
@@ -96,7 +96,7 @@ std::vector<Job> jobsOf(const AllOptions& o) {
   return jobs;
 }
 
-/// What this program prints, called with those arguments; nothing where it fails.
+/// The standard output of this program with those arguments; empty where it fails.
 std::optional<std::string> outputOf(const std::string& arguments) {
   FILE* pipe = popen(fmt::format("exec /proc/{}/exe {} --csv", getpid(), arguments).c_str(), "r");
   if (pipe == nullptr) return std::nullopt;
@@ -104,7 +104,7 @@ std::optional<std::string> outputOf(const std::string& arguments) {
   char buffer[4096];
   for (size_t got = 0; (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) text.append(buffer, got);
   const int status = pclose(pipe);
-  // Ctrl-C, too: popen has this program wait for the other's end.
+  // Propagates a signal that ended the child, e.g. by Ctrl-C, to this program.
   if (WIFSIGNALED(status)) std::raise(WTERMSIG(status));
   return status == 0 ? std::optional(text) : std::nullopt;
 }
@@ -178,24 +178,24 @@ int all(const AllOptions& o) {
 std::function<int()> addAllBench(CLI::App& app) {
   const auto o = std::make_shared<AllOptions>();
   app.footer(
-      "Runs each benchmark by itself and keeps its CSV, with the commit and the machine. Goals are for "
-      "unloaded\n"
-      "machines of two cores, of sixteen, and an H100; a goal that is missed is no failure. Accuracy is not\n"
-      "among them: it takes minutes and is the same everywhere (strandbench accuracy).\n"
+      "Runs the benchmarks one after the other and keeps their CSV, with the commit and the machine. Goals "
+      "are for\n"
+      "unloaded machines of two cores, of sixteen, and an H100; a missed goal is not a failure. The "
+      "accuracy\n"
+      "benchmark is not included: it takes minutes and is equal on every machine (strandbench accuracy).\n"
       "Examples:\n"
       "  strandbench all                             plots and CSV in out/bench\n"
       "  strandbench all --save                      CSV in bench/results/CPU, for docs/performance.md:\n"
       "  strandbench report");
   app.add_flag("--save", o->save, "keep the CSVs in bench/results, in a folder with the processor's name");
-  app.add_option("--machine", o->machine, "another name for that folder, e.g. nvidia-h100");
-  app.add_option("--out", o->out, "folder for CSVs and plots where they are not saved (out/bench)");
+  app.add_option("--machine", o->machine, "name of that folder instead, e.g. nvidia-h100");
+  app.add_option("--out", o->out, "folder for CSVs and plots without --save (out/bench)");
   app.add_option("--only", o->only,
-                 "some of them, e.g. step,wire; at a name that is none, those that this machine has are told")
+                 "run only these benchmarks, e.g. step,wire; an unknown name prints those of this machine")
       ->delimiter(',');
-  app.add_flag(
-      "--thorough", o->thorough,
-      "in the long forms, half an hour and more: scaling beyond 10,000 strands, too, which its quick form "
-      "leaves out on few cores");
+  app.add_flag("--thorough", o->thorough,
+               "run the long forms, half an hour or more, including scaling beyond 10,000 strands, which the "
+               "quick form leaves out on few cores");
   addPrintOptions(app, o->print);
   return [o] { return all(*o); };
 }

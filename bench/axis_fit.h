@@ -7,16 +7,16 @@
 
 namespace strandcast {
 
-/// How time grows along one axis.
+/// Power law of time along one axis.
 struct AxisFit {
   std::string axis;
   PowerLaw law;
   size_t points = 0;
 };
-/// Of a row of `strandbench scaling`: the least time of a step, ms; of one thread in processor time, which
-/// what else runs on the machine does not change, else by the wall.
+/// From a row of `strandbench scaling`: the minimum time of a step, ms. With one thread it is processor time,
+/// which other load on the machine does not change; otherwise wall time.
 double leastMs(const nlohmann::json& row);
-/// Of the axes strands, vertices and substeps that `rows` have two points of at least.
+/// Fits the axes strands, vertices and substeps of which `rows` have at least two points.
 std::vector<AxisFit> fitAxes(const std::vector<nlohmann::json>& rows);
 
 }  // namespace strandcast

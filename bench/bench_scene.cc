@@ -17,7 +17,7 @@ void addScene(CLI::App& app, std::string& scene) {
   app.add_option("--scene", scene, "procedural scene")->capture_default_str();
 }
 void addSeed(CLI::App& app, uint64_t& seed) {
-  app.add_option("--seed", seed, "of the scene's hair")->capture_default_str();
+  app.add_option("--seed", seed, "seed of the scene's hair")->capture_default_str();
 }
 void addStrands(CLI::App& app, int& strands, const std::string& about) {
   app.add_option("--strands", strands, about)->check(CLI::Range(1, 1000000))->capture_default_str();
@@ -50,7 +50,7 @@ Scene benchScene(const std::string& name, int strands, int vertices, uint64_t se
 
 HeadMotion benchMotion(const Scene& scene, double hertz) {
   if (hertz <= 0) return scene.motion;
-  // The scenes' own shakes once a second.
+  // The scenes' own shake has a frequency of 1 Hz.
   return [shake = headMotion("shake", scene.head_pivot), hertz](double seconds) {
     return shake(hertz * seconds);
   };

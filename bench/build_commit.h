@@ -3,7 +3,7 @@
 
 namespace strandcast {
 
-/// The commit that this program was built from, with a + where sources had been changed since; "unknown"
+/// The commit that this program was built from, with a + where sources had uncommitted changes; "unknown"
 /// outside a git checkout.
 std::string buildCommit();
 

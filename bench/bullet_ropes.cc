@@ -19,7 +19,7 @@ btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 struct BulletRopes::World {
   btSoftBodyWorldInfo info;
   std::vector<std::unique_ptr<btSoftBody>> ropes;
-  std::vector<Vec3> roots;  // at rest
+  std::vector<Vec3> roots;  // rest positions
   float step = 0;           // s
   int substeps = 1;
 };
@@ -61,7 +61,7 @@ void BulletRopes::step(const Pose& begin, const Pose& end) {
     const Vec3 from = begin.rotation * world_->roots[r] + begin.position,
                to = end.rotation * world_->roots[r] + end.position;
     for (int i = 1; i <= world_->substeps; ++i) {
-      // A node that is held goes where its velocity takes it.
+      // Bullet moves a fixed node by its velocity.
       const btVector3 target =
           toBullet(from + (to - from) * (static_cast<float>(i) / static_cast<float>(world_->substeps)));
       rope.m_nodes[0].m_v = (target - rope.m_nodes[0].m_x) / step;

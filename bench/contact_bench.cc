@@ -1,4 +1,4 @@
-#include "bench/contact_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "bench/bench_scene.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend_registry.h"
-#include "groom/mesh_file.h"
+#include "io/mesh_file.h"
 
 namespace strandcast {
 namespace {
@@ -31,7 +31,7 @@ double msSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// A broad phase that is timed.
+/// Measures the wrapped broad phase.
 class TimedBroadPhase final : public BroadPhase {
  public:
   explicit TimedBroadPhase(std::vector<double>& ms) : inner_(makeTreeBroadPhase()), ms_(ms) {}
@@ -82,7 +82,7 @@ int run(const ContactOptions& o) {
                           std::make_unique<TimedBroadPhase>(broad_ms));
       },
       scene.motion, o.steps);
-  // In turn, so that what else the machine does meets both alike.
+  // Alternates between the simulations, so that other load on the machine affects both alike.
   for (int step = 1; step < o.warmup + o.steps; ++step) {
     if (step == o.warmup) broad_ms.clear();
     broad_ms.reserve(static_cast<size_t>(o.warmup + o.steps));
@@ -116,7 +116,7 @@ int run(const ContactOptions& o) {
   };
   add("no body", without, free.simulation());
   add("mesh and five primitives", with, touching.simulation());
-  bench.closing = fmt::format("  ratio {:.2f}, of it the broad phase {:.3f} ms\n", ratio, broad);
+  bench.closing = fmt::format("  ratio {:.2f}; the broad phase takes {:.3f} ms of the step\n", ratio, broad);
   nlohmann::json baked = nlohmann::json::array();
   for (const Bake& b : bakes) {
     bench.comments.push_back(fmt::format(
@@ -144,17 +144,17 @@ std::function<int()> addContactBench(CLI::App& app) {
   const auto o = std::make_shared<ContactOptions>();
   addBackend(app, o->backend, {"auto", "gpu", "simd", "reference"});
   addScene(app, o->scene);
-  app.add_option("--body", o->body, "mesh file (.obj, .gltf, .glb) whose bake is timed too");
-  app.add_option("--unit-meters", o->unit_meters, "metres per unit of that file")
+  app.add_option("--body", o->body, "mesh file (.obj, .gltf, .glb) whose bake is also timed");
+  app.add_option("--unit-meters", o->unit_meters, "metres per unit of the --body file")
       ->check(finiteRange(1e-6, 1000.0))
       ->capture_default_str();
-  app.add_option("--cell", o->cell, "m, edge of a cell of the fields")
+  app.add_option("--cell", o->cell, "edge of a cell of the fields, m")
       ->check(finiteRange(1e-6, 1000.0))
       ->capture_default_str();
   addStrands(app, o->strands);
   addVertices(app, o->vertices);
   addSubsteps(app, o->substeps);
-  addThreads(app, o->threads, "of the simd backend and of bakes; 0 = all");
+  addThreads(app, o->threads, "threads of the simd backend and of bakes; 0 = all");
   addSteps(app, o->steps);
   addSeed(app, o->seed);
   addPrintOptions(app, o->print);

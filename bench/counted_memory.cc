@@ -10,8 +10,8 @@
 #include "gl/buffer.h"
 #endif
 
-// g++ sees malloc through operator new below where it inlines the one and not the other, and calls free a
-// mismatch.
+// Where g++ inlines only one of operator new and operator delete below, it reports the malloc or free inside
+// as a mismatch.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 #endif

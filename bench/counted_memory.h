@@ -4,14 +4,14 @@
 
 namespace strandcast {
 
-/// What operator new gives to this program is counted, by every thread and library of it. Not counted: what
-/// is taken from malloc, by oneTBB and by GPU drivers in C. Programs that link counted_memory.cc have it.
+/// Counts allocations by operator new of all threads and libraries of this program. Not counted: direct calls
+/// of malloc, oneTBB and GPU drivers in C. Active in programs that link counted_memory.cc.
 
-size_t heapBytes();                  ///< that are in use now, as the allocator rounds them
-uint64_t allocations();              ///< since the start, of all threads
-uint64_t allocationsOfThisThread();  ///< the same, of the calling one
+size_t heapBytes();                  ///< bytes in use now, as the allocator rounds them
+uint64_t allocations();              ///< number of allocations since the start, all threads
+uint64_t allocationsOfThisThread();  ///< number of allocations since the start, calling thread
 
-/// Of the buffers on the GPU that this program has; 0 in a build without OpenGL.
+/// Bytes of this program's GPU buffers; 0 in a build without OpenGL.
 size_t gpuBufferBytes();
 
 }  // namespace strandcast

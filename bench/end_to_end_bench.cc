@@ -1,4 +1,4 @@
-#include "bench/end_to_end_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -38,25 +38,25 @@ struct EndToEndOptions {
   PrintOptions print;
 };
 
-constexpr uint64_t kWarmUp = 30;  // frames that are not counted
+constexpr uint64_t kWarmUp = 30;  // frames excluded from the statistics
 
 int64_t nanoseconds(Clock::time_point time) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
 }
 double ms(int64_t from, int64_t to) { return 1e-6 * static_cast<double>(to - from); }
 
-/// When what happened to a frame, ns by the steady clock, which both processes share; 0 = it did not.
+/// Times of a frame's stages, ns by the steady clock, which both processes share; 0 = did not happen.
 struct FrameTimes {
-  int64_t due = 0;        ///< the motion is known
-  int64_t begun = 0;      ///< the daemon is awake
-  int64_t stepped = 0;    ///< and has the guides
-  int64_t published = 0;  ///< all of them are encoded and with the network
+  int64_t due = 0;        ///< the pose of the head for this frame is known
+  int64_t begun = 0;      ///< the simulation thread is awake
+  int64_t stepped = 0;    ///< the guides are ready
+  int64_t published = 0;  ///< all guides are encoded and handed to the network
   int64_t arrived = 0;    ///< received and decoded in the other process
-  int64_t taken = 0;      ///< the renderer is awake
-  int64_t grown = 0;      ///< and has the hair
+  int64_t taken = 0;      ///< the renderer thread is awake
+  int64_t grown = 0;      ///< the hair is grown
 };
 
-/// What encoding and decoding a frame takes, alone.
+/// Measures encoding and decoding of a frame in isolation.
 class CodecTimer {
  public:
   CodecTimer(const StrandSet& guides, const CodecOptions& options) : encoder_(options) {
@@ -83,12 +83,12 @@ class CodecTimer {
   std::vector<Vec3> positions_;
 };
 
-/// One rate: a row of the table.
+/// Measures one rate; returns a row of the table.
 nlohmann::json castAt(const EndToEndOptions& o, const Scene& scene, double rate) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
   parameters.time_step = static_cast<float>(1 / rate);
-  // Steps of the solver of 1/360 s, or as near as frames allow.
+  // Substeps of 1/360 s, or as near as the frame interval allows.
   parameters.substeps = o.substeps > 0 ? o.substeps : std::max(1, static_cast<int>(std::lround(360 / rate)));
   const size_t heap_before = heapBytes();
   Simulation simulation(sceneModel(scene), {}, parameters,
@@ -118,7 +118,7 @@ nlohmann::json castAt(const EndToEndOptions& o, const Scene& scene, double rate)
   Clock::time_point due = Clock::now() + interval;
   const Clock::time_point start = due;
   for (uint64_t number = 1; number <= frames; ++number, due += interval) {
-    if (Clock::now() > due + interval) {  // as the daemon does: it falls behind rather than catching up
+    if (Clock::now() > due + interval) {  // like the daemon, falls behind instead of catching up
       ++late;
       due = Clock::now();
     }
@@ -150,7 +150,7 @@ nlohmann::json castAt(const EndToEndOptions& o, const Scene& scene, double rate)
     t.taken = f[2];
     t.grown = f[3];
   }
-  std::array<std::vector<double>, 7> phases;  // the last: all
+  std::array<std::vector<double>, 7> phases;  // the last one is the total
   for (uint64_t number = kWarmUp + 1; number <= frames; ++number) {
     const FrameTimes& t = times[number];
     if (t.grown == 0) continue;
@@ -158,7 +158,8 @@ nlohmann::json castAt(const EndToEndOptions& o, const Scene& scene, double rate)
     for (size_t p = 0; p < 6; ++p) phases[p].push_back(ms(at[p], at[p + 1]));
     phases[6].push_back(ms(t.due, t.grown));
   }
-  if (phases[6].empty()) throw Error("no frame arrived", fmt::format("{:g} Hz", rate), "is lo up?");
+  if (phases[6].empty())
+    throw Error("no frame arrived", fmt::format("{:g} Hz", rate), "is the network interface lo up?");
   const Measurement measured = simulation.measure();
   const uint64_t hash = stateHash(simulation.state());
   CodecTimer codec_timer(scene.groom.strands, codec);
@@ -224,7 +225,7 @@ int endToEnd(const EndToEndOptions& o) {
       "{} guides x {}, codec {}, DDS on this machine, two processes; {}\n  ms, medians of phases\n",
       o.strands, o.vertices, o.codec,
       o.hairs > 0 ? fmt::format("{} hairs of {} segments grown", o.hairs, o.segments)
-                  : "growth is left out (--hairs 0)");
+                  : "no growth (--hairs 0)");
   bench.table = Table({{"rate_hz", "Hz", "{:g}"},
                        {"strands"},
                        {"vertices"},
@@ -285,41 +286,43 @@ int endToEnd(const EndToEndOptions& o) {
 std::function<int()> addEndToEndBench(CLI::App& app) {
   const auto o = std::make_shared<EndToEndOptions>();
   app.footer(
-      "The daemon's side in this process, the renderer's in another, between them DDS on this machine. The "
-      "way\n"
-      "of a frame, whose phases add up:\n"
-      "  wake     from when the head's motion is known to when the daemon runs\n"
-      "  step     simulation, until the guides are there\n"
-      "  publish  encoding and handing all chunks to DDS\n"
-      "  wire     until the last chunk has come and is decoded (a part of it is decoded meanwhile)\n"
+      "This process simulates and publishes, a second one receives and renders, with DDS on this machine "
+      "between\n"
+      "them. Phases of a frame, whose times add up:\n"
+      "  wake     from the head's motion being known to the daemon running\n"
+      "  step     simulation, until the guides are available\n"
+      "  publish  encoding, and passing all chunks to DDS\n"
+      "  wire     until the last chunk is received and decoded (decoding overlaps with receiving)\n"
       "  take     until the renderer runs\n"
-      "  grow     guides to the device, hair grown, the device's fence seen\n"
-      "(encode), (decode): what these take alone, on further frames, after all that. Frames that the "
-      "renderer "
-      "was too\n"
-      "slow for are skipped, as a renderer does: cast/s and grown/s differ by them. allocs: of the daemon's\n"
-      "thread while it steps.\n"
+      "  grow     guides uploaded, hair grown, the device's fence signalled\n"
+      "(encode), (decode): times of these alone, on further frames, after the measurement. A slow renderer "
+      "skips\n"
+      "frames: cast/s and grown/s differ by them. allocs: calls of operator new by the daemon's thread while "
+      "it\n"
+      "steps.\n"
       "Examples:\n"
       "  strandbench end-to-end --rates 120\n"
-      "  strandbench end-to-end --hairs 0          without a device to grow hair on");
+      "  strandbench end-to-end --hairs 0          for machines without a GPU");
   app.add_option("--rates", o->rates, "frames per second")
       ->delimiter(',')
       ->check(finiteRange(35.0, 1000.0))
       ->capture_default_str();
-  addStrands(app, o->strands, "guides");
-  addVertices(app, o->vertices, "per guide");
-  app.add_option("--substeps", o->substeps, "per frame; 0 = of 1/360 s, or as near as frames allow")
+  addStrands(app, o->strands, "number of guides");
+  addVertices(app, o->vertices, "vertices per guide");
+  app.add_option("--substeps", o->substeps, "substeps per frame; 0 = as near to 1/360 s as frames allow")
       ->check(CLI::Range(0, 64));
   addBackend(app, o->backend, {"auto", "gpu", "simd", "reference"});
   addThreads(app, o->threads);
   addScene(app, o->scene);
   addSeed(app, o->seed);
-  app.add_option("--codec", o->codec, "of the frames")->capture_default_str();
-  app.add_option("--hairs", o->hairs, "grown of each frame; 0 = growth is left out")
+  app.add_option("--codec", o->codec, "codec of the frames")->capture_default_str();
+  app.add_option("--hairs", o->hairs, "hairs grown per frame; 0 = no growth")
       ->check(CLI::Range(0, 4000000))
       ->capture_default_str();
-  app.add_option("--segments", o->segments, "of a hair")->check(CLI::Range(1, 256))->capture_default_str();
-  app.add_option("--seconds", o->seconds, "of casting, per rate")
+  app.add_option("--segments", o->segments, "segments per hair")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--seconds", o->seconds, "seconds of publishing per rate")
       ->check(finiteRange(0.1, 3600.0))
       ->capture_default_str();
   addPrintOptions(app, o->print);

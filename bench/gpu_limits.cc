@@ -13,11 +13,11 @@ namespace strandcast {
 namespace {
 
 constexpr GLuint kWorkgroup = 256;    // of both shaders
-constexpr double kMultiplyAdds = 64;  // of an invocation in a round
+constexpr double kMultiplyAdds = 64;  // per invocation and round
 constexpr int kAttempts = 6;
-constexpr std::chrono::milliseconds kClocksRise(400);  // of a GPU that has had nothing to do
+constexpr std::chrono::milliseconds kClocksRise(400);  // time for an idle GPU to raise its clocks
 
-/// What `work`, dispatches, takes at least, s.
+/// The minimum time of `work`, a sequence of dispatches, s.
 template <class Work>
 double leastSeconds(int attempts, const Work& work) {
   gpu::PassTimer timer;
@@ -33,7 +33,7 @@ double leastSeconds(int attempts, const Work& work) {
   return least;
 }
 
-/// The same once the GPU runs as fast as it does; a processor's OpenGL always does.
+/// The same after the GPU has reached its full clock rate; a software OpenGL needs no warm-up.
 template <class Work>
 double leastSecondsAtFullSpeed(bool is_software, const Work& work) {
   const auto start = std::chrono::steady_clock::now();
@@ -44,8 +44,8 @@ double leastSecondsAtFullSpeed(bool is_software, const Work& work) {
 }
 
 double multiplyAddsPerSecond(bool is_software) {
-  constexpr GLuint kGroups = 4096;      // more than any GPU has room for at once
-  constexpr double kLongEnough = 4e-3;  // s, beside which starting and ending are nothing
+  constexpr GLuint kGroups = 4096;      // more workgroups than any GPU runs at once
+  constexpr double kLongEnough = 4e-3;  // s, against which launch overhead is negligible
   const gl::Program program("multiply_adds", {{GL_COMPUTE_SHADER, shaders::kMultiplyAddsComp}});
   const gl::Buffer sums(sizeof(float) * kGroups * kWorkgroup, nullptr, 0);
   sums.bindStorage(0);
@@ -56,7 +56,7 @@ double multiplyAddsPerSecond(bool is_software) {
     program.set("rounds", rounds);
     return leastSeconds(1, add);
   };
-  secondsOf(1);  // some drivers compile now
+  secondsOf(1);  // some drivers compile on first use
   int rounds = 1;
   while (rounds < (1 << 20) && secondsOf(rounds) < kLongEnough) rounds *= 2;
   return 2 * kMultiplyAdds * kGroups * kWorkgroup * rounds / leastSecondsAtFullSpeed(is_software, add);
@@ -64,8 +64,7 @@ double multiplyAddsPerSecond(bool is_software) {
 
 double copiedBytesPerSecond(bool is_software) {
   constexpr GLuint kGroups = 16384;
-  // Five times the cache of an H100. A processor's OpenGL is far slower than its memory, and would take
-  // seconds.
+  // Five times the cache of an H100. A software OpenGL is far slower than its memory and would take seconds.
   const GLint64 wanted = (is_software ? 32 : 256) << 20;
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
@@ -73,12 +72,12 @@ double copiedBytesPerSecond(bool is_software) {
   const gl::Program program("buffer_copy", {{GL_COMPUTE_SHADER, shaders::kBufferCopyComp}});
   const gl::Buffer from(bytes, nullptr, 0), to(bytes, nullptr, 0);
   constexpr float kSomething = 1;
-  glClearNamedBufferData(from.id(), GL_R32F, GL_RED, GL_FLOAT, &kSomething);  // or it may have no memory
+  glClearNamedBufferData(from.id(), GL_R32F, GL_RED, GL_FLOAT, &kSomething);  // allocates
   from.bindStorage(0);
   to.bindStorage(1);
   program.use();
   const auto copy = [&] { glDispatchCompute(kGroups, 1, 1); };
-  leastSeconds(1, copy);  // some drivers compile now, and give memory
+  leastSeconds(1, copy);  // some drivers compile and allocate memory on first use
   return 2 * static_cast<double>(bytes) / leastSecondsAtFullSpeed(is_software, copy);
 }
 

@@ -2,13 +2,13 @@
 
 namespace strandcast {
 
-/// What a GPU does at most, measured with two shaders of the benchmark's own.
+/// Measured upper limits of a GPU, by two shaders of this benchmark.
 struct GpuLimits {
-  double operations_per_s = 0;  ///< with independent fused multiply-adds; one counts two
+  double operations_per_s = 0;  ///< independent fused multiply-adds; each counts as two
   double copied_bytes_per_s =
-      0;  ///< by copying a buffer beyond its caches; a byte read and written counts two
+      0;  ///< by copying a buffer larger than the caches; a byte read and written counts as two
 };
-/// Of the GPU that the gpu backend takes, in a context of its own. Throws Error when there is none.
+/// Measures the GPU that the gpu backend selects, in its own context. Throws Error where there is none.
 GpuLimits measuredGpuLimits();
 
 }  // namespace strandcast

@@ -1,4 +1,4 @@
-#include "bench/grid_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -31,7 +31,7 @@ struct GridOptions {
 
 using Clock = std::chrono::steady_clock;
 
-/// Times by the name of a pass, in the order of first use.
+/// Times per named pass, in the order of first use.
 class PassTimes {
  public:
   template <class Pass>
@@ -51,10 +51,10 @@ class PassTimes {
   bool has(const std::string& name) const { return ms_.contains(name); }
   Spread spread(const std::string& name) const { return spreadOf(ms_.at(name)); }
   double median(const std::string& name) const { return spread(name).median; }
-  /// Of the sums of all passes, which have been timed equally often.
+  /// Spread over steps of the sum of all passes. Precondition: all passes have equally many times.
   Spread spreadOfSums() const { return spreadOf(sums(ms_)); }
   Spread cpuSpreadOfSums() const { return spreadOf(sums(cpu_ms_)); }
-  /// Median in processor time of all threads, ms; nothing where a pass ran elsewhere.
+  /// Median processor time of all threads, ms; empty where the pass did not run on the CPU.
   std::optional<double> cpuMedian(const std::string& name) const {
     const auto found = cpu_ms_.find(name);
     return found == cpu_ms_.end() ? std::nullopt : std::optional(spreadOf(found->second).median);
@@ -75,10 +75,10 @@ class PassTimes {
 struct GridResult {
   int cells;
   PassTimes times;
-  Spread all = {};                     ///< ms, of all passes
-  std::optional<double> cpu_all = {};  ///< the same in processor time
-  double iterations = 0;               ///< of the pressure, mean
-  double divergence = 0;               ///< largest x cell over the fastest, at last
+  Spread all = {};                     ///< ms, sum of all passes
+  std::optional<double> cpu_all = {};  ///< ms, the same in processor time
+  double iterations = 0;               ///< mean of the pressure solve
+  double divergence = 0;  ///< largest divergence times cell size over the largest speed, after the last step
 };
 
 GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel& model, int cells) {
@@ -156,15 +156,15 @@ Parameters surroundedBy(const GridOptions& o, const Scene& scene, int cells) {
   return parameters;
 }
 
-/// Passes on the GPU: within steps of the whole simulation, first each as it comes, one step behind the
-/// other, then one by one.
+/// Times passes on the GPU within steps of the whole simulation: first with all passes overlapping, then one
+/// by one.
 GridResult timeGpuGrids(const GridOptions& o, const Scene& scene, const StrandModel& model, int cells) {
-  std::unique_ptr<Surroundings> surroundings = airOf(o.backend).surroundings({});
-  auto& measured = dynamic_cast<MeasuredPasses&>(*surroundings);
+  std::unique_ptr<ExternalForces> air_system = airOf(o.backend).make({});
+  auto& measured = dynamic_cast<MeasuredPasses&>(*air_system);
   const Parameters parameters = surroundedBy(o, scene, cells);
   Simulation simulation(model, scene.bodies, parameters,
                         createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
-                        std::move(surroundings));
+                        std::move(air_system));
   GridResult out{cells, {}};
   auto run = [&](int steps) {
     for (int step = 0; step < steps; ++step) simulation.step();
@@ -185,10 +185,10 @@ GridResult timeGpuGrids(const GridOptions& o, const Scene& scene, const StrandMo
   return out;
 }
 
-/// What others are given, and how long they took for it.
-class TimedSurroundings final : public Surroundings {
+/// Wraps external forces and records the duration of their step.
+class TimedForces final : public ExternalForces {
  public:
-  TimedSurroundings(std::unique_ptr<Surroundings> timed, PassTimes& times)
+  TimedForces(std::unique_ptr<ExternalForces> timed, PassTimes& times)
       : timed_(std::move(timed)), times_(times) {}
   bool isNeeded(const Parameters& parameters) const override { return timed_->isNeeded(parameters); }
   void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) override {
@@ -202,16 +202,16 @@ class TimedSurroundings final : public Surroundings {
   std::span<const Vec3> accelerations() override { return timed_->accelerations(); }
 
  private:
-  std::unique_ptr<Surroundings> timed_;
+  std::unique_ptr<ExternalForces> timed_;
   PassTimes& times_;
 };
 
-/// A step of the strands alone, until its positions are there, and one with wind and forces between hairs on
-/// grids of 32^3.
+/// Times of a step of the strands alone, including the read-back of positions, and of one with wind and
+/// forces between hairs on grids of 32^3.
 struct StepTimes {
   MeasuredRun alone, surrounded;
-  double grids = 0;  ///< ms of the latter, median, that went by before the strands' turn
-  /// What of the former a GPU worked on the strands, or all of it, ms.
+  double grids = 0;  ///< ms, median wall time of the grids before the strands in the latter
+  /// GPU time of the strands in a step without air, ms; on a CPU the whole step.
   double strands() const { return alone.gpu_ms.value_or(alone.ms.median); }
 };
 StepTimes timeSteps(const GridOptions& o, const Scene& scene, const StrandModel& model) {
@@ -224,9 +224,9 @@ StepTimes timeSteps(const GridOptions& o, const Scene& scene, const StrandModel&
     }
     PassTimes times;
     const auto make = [&] {
-      return Simulation(
-          model, {}, parameters, createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
-          std::make_unique<TimedSurroundings>(airOf(o.backend, o.threads).surroundings({}), times));
+      return Simulation(model, {}, parameters,
+                        createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
+                        std::make_unique<TimedForces>(airOf(o.backend, o.threads).make({}), times));
     };
     const auto still = [](double) { return Pose{}; };
     (surrounded ? out.surrounded : out.alone) = measureSteps(make, still, 5, o.steps);
@@ -253,9 +253,8 @@ int run(const GridOptions& o) {
                   {"substeps", o.substeps},    {"seed", o.seed},       {"mac_cormack", o.mac_cormack},
                   {"drag_along", o.drag_along}};
   bench.heading = fmt::format(
-      "scene {}, {} strands of {} vertices on {} ({}): a step {:.2f} ms, with grids of 32^3 {:.2f} ms, "
-      "{:.2f} ms of it "
-      "for the grids\n",
+      "scene {}, {} strands of {} vertices on {} ({}): step {:.2f} ms, with grids of 32^3 {:.2f} ms, of "
+      "which the grids take {:.2f} ms\n",
       o.scene, o.strands, o.vertices, o.backend, device, steps.alone.ms.median, steps.surrounded.ms.median,
       steps.grids);
   bench.table = Table({{"device"},
@@ -331,9 +330,9 @@ std::function<int()> addGridBench(CLI::App& app) {
   addScene(app, o->scene);
   addStrands(app, o->strands);
   addVertices(app, o->vertices);
-  addSubsteps(app, o->substeps, "of the strands, per step");
+  addSubsteps(app, o->substeps, "substeps of the strands per step");
   addThreads(app, o->threads);
-  addSteps(app, o->steps, "timed");
+  addSteps(app, o->steps, "timed steps");
   addSeed(app, o->seed);
   const ParameterInfo& cells =
       *std::find_if(parameterList().begin(), parameterList().end(),
@@ -341,10 +340,10 @@ std::function<int()> addGridBench(CLI::App& app) {
   app.add_option("--cells", o->cells, fmt::format("{}: {}; one or more sizes", cells.help, cells.range))
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--drag-along", o->drag_along, "air_drag_along: below 1 air slips along hair")
+  app.add_option("--drag-along", o->drag_along, "air_drag_along: below 1, air slips along the hair")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_flag("--mac-cormack", o->mac_cormack, "advect with MacCormack's correction");
+  app.add_flag("--mac-cormack", o->mac_cormack, "advect with the MacCormack correction");
   addPrintOptions(app, o->print);
   return [o] { return run(*o); };
 }

@@ -14,7 +14,7 @@ class Collector {
  public:
   explicit Collector(const Results& results) : results_(results) {}
 
-  /// Calls `tell` with the file's rows, where there is such a file.
+  /// Calls `tell` with the file's rows; does nothing where the file is missing or empty.
   template <class Tell>
   void of(const std::string& name, const Tell& tell) {
     const auto found = results_.find(name);
@@ -48,16 +48,16 @@ void tellStep(Collector& out, const std::vector<nlohmann::json>& rows) {
   out.add(fmt::format("step of {}, {} substeps, {}", size, row["substeps"].dump(), device),
           fmt::format("{:.3f} ms", number(row, "ms_median")));
   if (const double part = number(row, "fraction_of_peak"); part > 0)
-    out.add("of the measured peak, by the wall, " + size, fmt::format("{:.0f} %", 100 * part));
+    out.add("of the measured peak, wall time, " + size, fmt::format("{:.0f} %", 100 * part));
   if (const double part = number(row, "fraction_of_peak_cpu"); part > 0)
-    out.add("of the measured peak, in processor time, " + size, fmt::format("{:.0f} %", 100 * part),
-            ">= 30 %", part >= 0.30);
+    out.add("of the measured peak, processor time, " + size, fmt::format("{:.0f} %", 100 * part), ">= 30 %",
+            part >= 0.30);
   out.add("largest stretch, " + size, fmt::format("{:.2g} %", 100 * number(row, "max_stretch")), "<= 0.01 %",
           number(row, "max_stretch") <= 1e-4);
   out.add("allocations of the timed steps", row["allocations"].dump(), "0", row["allocations"] == 0);
 }
 
-/// What hair is and what it is among, of a row of `benchmark`; `contact` has that as its cases.
+/// Hair, bodies and air of a row of `benchmark`; the rows of `contact` have them in their case.
 std::string settingOf(const std::string& benchmark, const nlohmann::json& row) {
   if (benchmark == "contact" || !row.contains("scene")) return row["case"];
   std::string setting = row["scene"];
@@ -69,7 +69,7 @@ std::string settingOf(const std::string& benchmark, const nlohmann::json& row) {
   return setting;
 }
 
-// Of each device and setting the row that takes most.
+// The row with the most memory, for each device and setting.
 void tellMemory(Collector& out, const Results& results) {
   constexpr double kGoal = 160;  // bytes
   std::map<std::string, Headline> most;
@@ -107,14 +107,14 @@ void tellGpu(Collector& out) {
   constexpr double kAirGoal = 0.25;  // ms
   out.of("gpu_100k_all", [&](const std::vector<nlohmann::json>& rows) {
     const double ms = number(rows[0], "air_gpu_ms");
-    out.add("of it the air, " + rows[0]["device"].get<std::string>(), fmt::format("{:.3f} ms", ms),
+    out.add("air alone, " + rows[0]["device"].get<std::string>(), fmt::format("{:.3f} ms", ms),
             fmt::format("<= {:g} ms", kAirGoal), ms <= kAirGoal);
   });
   out.of("gpu_grid", [&](const std::vector<nlohmann::json>& rows) {
     for (const nlohmann::json& row : rows) {
       if (row.value("pass", "") != "all") continue;
       const double ms = number(row, "ms");
-      out.add(fmt::format("grids of {}^3 of {} by themselves, {}", row["cells"].dump(), sizeOf(row),
+      out.add(fmt::format("grids of {}^3 of {} alone, {}", row["cells"].dump(), sizeOf(row),
                           row["device"].get<std::string>()),
               fmt::format("{:.3f} ms", ms), fmt::format("<= {:g} ms", kAirGoal), ms <= kAirGoal);
     }
@@ -122,10 +122,10 @@ void tellGpu(Collector& out) {
 }
 
 void tellScaling(Collector& out, const std::vector<nlohmann::json>& rows) {
-  constexpr double kLinear = 1.1;  // a power that passes for 1
+  constexpr double kLinear = 1.1;  // largest exponent that counts as linear
   for (const AxisFit& fit : fitAxes(rows)) {
     const bool is_promised = fit.axis != "substeps";
-    out.add(fmt::format("time grows with {} by the power of", fit.axis),
+    out.add(fmt::format("exponent of time in {}", fit.axis),
             fmt::format("{:.2f} ± {:.2f}", fit.law.exponent, fit.law.standard_error),
             is_promised ? fmt::format("1, at most {:g}", kLinear) : "",
             is_promised ? std::optional(fit.law.exponent <= kLinear) : std::nullopt);
@@ -156,7 +156,7 @@ void tellPeers(Collector& out, const std::vector<nlohmann::json>& rows) {
   const auto ratio = bulletOverRod(rows, 4);
   if (!ratio) return;
   out.add(ratio->reached ? "Bullet's ropes over the rod, at equal or less stretch"
-                         : "Bullet's ropes over the rod, where they stretch least, which is more",
+                         : "Bullet's ropes over the rod, at their least stretch, which is larger",
           fmt::format("{:.0f} x", ratio->ratio), ">= 20 x", ratio->ratio >= 20);
 }
 
@@ -174,7 +174,7 @@ void tellLatency(Collector& out, const std::vector<nlohmann::json>& rows) {
   }
 }
 
-// On a processor: what all grids of 32^3 cost of a step of the strands.
+// On a CPU: cost of all grids of 32^3 relative to a step of the strands.
 void tellGrids(Collector& out, const std::vector<nlohmann::json>& rows) {
   for (const nlohmann::json& row : rows) {
     if (row.value("pass", "") != "all" || number(row, "cells") != 32) continue;
@@ -182,14 +182,14 @@ void tellGrids(Collector& out, const std::vector<nlohmann::json>& rows) {
     const double share = number(row, by_cpu ? "of_strand_step_cpu" : "of_strand_step");
     if (share <= 0) continue;
     out.add(fmt::format("grids of 32^3 over the strands' step, {}, {}", sizeOf(row),
-                        by_cpu ? "in processor time" : "by the wall"),
+                        by_cpu ? "processor time" : "wall time"),
             fmt::format("{:.0f} %", 100 * share), "<= 25 %", share <= 0.25);
   }
 }
 
-// A processor's OpenGL has no goal.
+// A software OpenGL has no goal.
 void tellGrowth(Collector& out, const std::vector<nlohmann::json>& rows) {
-  constexpr double kGoal = 0.3;  // ms, of 100,000 hairs
+  constexpr double kGoal = 0.3;  // ms, for 100,000 hairs
   const nlohmann::json& row = rows.back();
   const double ms = number(row, "growth_ms");
   const std::string device = row["device"];
@@ -206,7 +206,7 @@ std::string commandOf(const CsvFile& file) { return file.comments.empty() ? "" :
 Results readResults(const std::filesystem::path& folder) {
   Results results;
   if (!std::filesystem::is_directory(folder))
-    throw Error("there is no such folder of results", folder.string(), "make some: strandbench all --save");
+    throw Error("the folder of results does not exist", folder.string(), "create it: strandbench all --save");
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".csv") continue;
     results[entry.path().stem().string()] = parseCsv(textOf(entry.path()), entry.path().string());

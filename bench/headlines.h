@@ -9,22 +9,22 @@
 
 namespace strandcast {
 
-/// The CSVs of one machine by the name of their files: "scaling" of scaling.csv.
+/// The CSV files of one machine by base name: "scaling" for scaling.csv.
 using Results = std::map<std::string, CsvFile>;
-/// All *.csv of a folder. Throws Error.
+/// Reads all *.csv of a folder. Throws Error.
 Results readResults(const std::filesystem::path& folder);
 
-/// A number that matters, what it should be, and how to measure it again.
+/// A key figure, its goal, and the command that measures it again.
 struct Headline {
   std::string what, measured;
   std::string goal;           ///< may be empty
-  std::optional<bool> holds;  ///< nothing where there is no goal
+  std::optional<bool> holds;  ///< empty without a goal
   std::string command;
 };
-/// Of what `results` have.
+/// The key figures that `results` provide.
 std::vector<Headline> headlinesOf(const Results& results);
 
-/// The command of a file's first comment.
+/// The command in the first comment of a file.
 std::string commandOf(const CsvFile& file);
 
 }  // namespace strandcast

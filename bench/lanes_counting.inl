@@ -1,5 +1,6 @@
-// Lane vocabulary over one float that counts what is computed with it, as one operation each: additions, multiplications
-// (two for a fused pair), divisions and roots. Comparing, choosing, rounding and moving are not counted. Included inside a namespace.
+// Lane vocabulary over one float that counts operations: additions, multiplications, divisions and roots count one
+// each, a fused multiply-add two. Comparisons, selections, rounding and moves are not counted. Included inside a
+// namespace.
 using Scalar = float;
 constexpr int kLanes = 1;
 using mask = bool;
@@ -9,7 +10,7 @@ struct real {
 inline uint64_t operations = 0, operations_of[kStepParts] = {};
 inline StepPart part_now = StepPart::kOther;
 
-// Hides the one that is nothing.
+// Shadows the StepScope of core/step_part.h, which does nothing.
 class StepScope {
  public:
   explicit StepScope(StepPart part) : around_(part_now) { part_now = part; }
@@ -48,20 +49,20 @@ inline real load(const Scalar* p) { return {*p}; }
 inline void store(real value, Scalar* p) { *p = value.v; }
 inline bool anyTrue(mask m) { return m; }
 inline uint32_t laneBits(mask m) { return m ? 1 : 0; }
-inline Scalar leastOf(real value) { return value.v; }
-inline void storeWhole(real value, uint32_t* p) { *p = static_cast<uint32_t>(value.v); }
+inline Scalar reduceMin(real value) { return value.v; }
+inline void storeAsInt(real value, uint32_t* p) { *p = static_cast<uint32_t>(value.v); }
 struct Packing {
   mask lanes;
 };
 inline Packing packing(mask m) { return {m}; }
-inline void pack(real value, Packing packing, Scalar* p) {
+inline void compressStore(real value, Packing packing, Scalar* p) {
   if (packing.lanes) *p = value.v;
 }
 inline mask firstLanes(int count) { return count > 0; }
 inline real laneNumbers() { return {0}; }
 using word = int32_t;
-inline word everywhere(int32_t value) { return value; }
-inline word wordOf(real value) { return static_cast<word>(value.v); }
+inline word splat(int32_t value) { return value; }
+inline word toInt(real value) { return static_cast<word>(value.v); }
 inline real realOf(word value) { return {static_cast<float>(value)}; }
 inline real floatOf(word bits) { return {std::bit_cast<float>(bits)}; }
 inline word select(mask m, word a, word b) { return m ? a : b; }

@@ -12,8 +12,8 @@
 namespace strandcast {
 namespace {
 
-/// Of the array that is copied, and of its copy: twice the last cache each, within what takes a fraction of a
-/// second.
+/// Bytes of the source and of the copy: twice the last-level cache each, clamped to 64 to 256 MiB to bound
+/// the time.
 size_t copiedBytes() {
   constexpr long kLeast = 64L << 20, kMost = 256L << 20;
   return static_cast<size_t>(std::clamp(2 * sysconf(_SC_LEVEL3_CACHE_SIZE), kLeast, kMost));
@@ -24,7 +24,7 @@ size_t copiedBytes() {
 double measuredCopy(int threads) {
   const size_t bytes = copiedBytes();
   const std::unique_ptr<char[]> from(new char[bytes]), to(new char[bytes]);
-  // Every thread works on its part alone, from the first touch on.
+  // Each thread works on its own part, from the first touch on.
   const auto together = [&](const auto& work) {
     std::vector<std::thread> others;
     const auto part = [&](size_t t) {
@@ -37,7 +37,7 @@ double measuredCopy(int threads) {
     for (std::thread& other : others) other.join();
   };
   together([](char* source, char* copy, size_t count) {
-    std::memset(source, 1, count);  // pages that nobody wrote are one and the same
+    std::memset(source, 1, count);  // untouched pages all map to one zero page
     std::memset(copy, 2, count);
   });
   double best = 0;
@@ -45,7 +45,7 @@ double measuredCopy(int threads) {
     const auto start = std::chrono::steady_clock::now();
     together([](char* source, char* copy, size_t count) {
       std::memcpy(copy, source, count);
-      asm volatile("" : : "r"(copy) : "memory");  // the compiler is to think that it is read
+      asm volatile("" : : "r"(copy) : "memory");  // makes the compiler assume that the copy is read
     });
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     best = std::max(best, 2 * static_cast<double>(bytes) / seconds);

@@ -2,8 +2,8 @@
 
 namespace strandcast {
 
-/// Bytes per second that `threads` threads move by copying memory beyond the caches, measured; a byte read
-/// and written counts two.
+/// Measured bytes per second that `threads` threads move by copying memory larger than the caches; a byte
+/// read and written counts as two.
 double measuredCopy(int threads);
 
 }  // namespace strandcast

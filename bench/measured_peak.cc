@@ -15,8 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace strandcast::peak::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Operations done in `rounds` rounds; `sink` keeps the compiler from dropping them. Ten chains hide the
-/// latency of two units; each starts from a number of its own, or compilers make one of them all.
+/// Returns the number of operations in `rounds` rounds; `sink` keeps the compiler from removing them. Ten
+/// chains hide the latency of two units. Each chain has its own initial value, or compilers merge them.
 double multiplyAdds(long rounds, float* sink) {
   const hn::ScalableTag<float> tag;
   const auto by = hn::Set(tag, 0.999f), plus = hn::Set(tag, 1e-3f);

@@ -8,30 +8,30 @@
 
 namespace strandcast {
 
-/// Of repeated measurements.
+/// Statistics of repeated measurements.
 struct Spread {
   double min = 0, median = 0, p95 = 0;
 };
-/// Of at least one value.
+/// Precondition: at least one value.
 Spread spreadOf(std::vector<double> values);
 
-/// Processor time that this program has taken so far, ms, all threads.
+/// Processor time of this process so far, ms, all threads.
 double processorMs();
 
-/// How long the steps of a simulation took, in what memory, and what they computed.
+/// Times, memory and results of a simulation's timed steps.
 struct MeasuredRun {
   std::string backend, device;
   int substeps = 0;
   size_t strands = 0, vertices = 0;
-  Spread ms;      ///< of a step and of reading its guides, by the wall
-  Spread cpu_ms;  ///< the same in processor time of all threads of this program
-  /// Medians: of giving the step's commands with what it is told, and of waiting for the guides, which a GPU
-  /// works out and copies back meanwhile. A CPU has done all when the first is over.
+  Spread ms;      ///< wall time of a step and of reading its guides
+  Spread cpu_ms;  ///< the same in processor time of all threads of this process
+  /// Medians, ms. submit: issuing the step's commands and uploads. wait: until the guides are available,
+  /// which a GPU computes and copies back meanwhile. A CPU finishes within submit.
   double submit_ms = 0, wait_ms = 0;
-  std::optional<double> gpu_ms;  ///< of a step's dispatches alone, median
-  size_t heap_bytes = 0;         ///< that the simulation and all it is made of take after its first step,
-  size_t gpu_bytes = 0;          ///< and its buffers on the GPU
-  uint64_t allocations = 0;      ///< during the steps that were timed
+  std::optional<double> gpu_ms;  ///< of a step's dispatches, median, by the GPU's clock
+  size_t heap_bytes = 0;     ///< of the simulation after its first step, including all that it was made of
+  size_t gpu_bytes = 0;      ///< of its GPU buffers at that time
+  uint64_t allocations = 0;  ///< during the timed steps
   Measurement measured;
   uint64_t hash = 0;
 
@@ -47,9 +47,9 @@ struct MeasuredRun {
 class TimedSimulation {
  public:
   using Motion = std::function<Pose(double)>;
-  /// `make` makes all that the simulation keeps, so that its memory can be told.
+  /// `make` must allocate all that the simulation keeps, because memory is measured around it.
   TimedSimulation(const std::function<Simulation()>& make, Motion motion, int steps);
-  /// Takes the next step and reads its guides.
+  /// Takes the next step and reads its guides; records them where `timed`.
   void step(bool timed);
   Simulation& simulation() { return simulation_; }
   MeasuredRun result();
@@ -62,14 +62,14 @@ class TimedSimulation {
   std::vector<double> ms_, cpu_ms_, submit_ms_, wait_ms_, gpu_ms_;
 };
 
-/// Warms up, times `steps` steps.
+/// Takes `warmup` untimed steps, then times `steps` steps.
 MeasuredRun measureSteps(const std::function<Simulation()>& make, const TimedSimulation::Motion& motion,
                          int warmup, int steps);
 
-/// What every run of a simulation states, as columns and as the cells for them.
+/// The columns that every run of a simulation has, and the cells for them.
 std::vector<Column> runColumns();
 nlohmann::json cellsOf(const MeasuredRun& run);
-/// One list of columns of several.
+/// Concatenates lists of columns.
 std::vector<Column> columnsOf(std::initializer_list<std::vector<Column>> parts);
 
 }  // namespace strandcast

@@ -11,7 +11,7 @@
 
 namespace strandcast {
 namespace kernels::counting {
-// The order matters.
+// Each header depends on those before it.
 // clang-format off
 #include "bench/lanes_counting.inl"
 #include "kernels/rotation.h"
@@ -20,7 +20,7 @@ namespace kernels::counting {
 #include "kernels/distance_field.h"
 #include "kernels/surface_bend.h"
 #include "kernels/rod.h"
-#include "kernels/stiff_pulls.h"
+#include "kernels/stiff_tensions.h"
 #include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"
 #include "core/block_step.inl"
@@ -30,7 +30,7 @@ namespace kernels::counting {
 OperationCount countOperations(const StrandModel& model, const StrandState& state, const StepInput& input) {
   BlockStore<float> store;
   store.load(model, 1);
-  store.expect(*input.parameters, !input.primitives.empty());
+  store.prepare(*input.parameters, !input.primitives.empty());
   store.upload(state);
   std::vector<float> scratch(blockScratch(store.maxVertices(), 1));
   const size_t apart = 1 + store.blocks() / 1024;
@@ -62,9 +62,9 @@ const char* nameOf(StepPart part) {
       return "bend";
     case StepPart::kMove:
       return "move";
-    case StepPart::kPulls:
+    case StepPart::kTensions:
       return "pulls";
-    case StepPart::kAgain:
+    case StepPart::kSecondLengthPass:
       return "again";
     case StepPart::kVelocities:
       return "velocities";

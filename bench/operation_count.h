@@ -9,19 +9,19 @@ namespace strandcast {
 /// Floating-point operations of a step, per vertex and substep.
 struct OperationCount {
   double all = 0;
-  std::array<double, kStepParts> parts{};  ///< by StepPart; they add up to all
+  std::array<double, kStepParts> parts{};  ///< indexed by StepPart; sums to `all`
 };
-/// Counts them: the step's own text, as CPU backends have it, run once with numbers that count, over about a
-/// thousand of the strands, evenly chosen.
+/// Counts the operations by running the source of the CPU step with a counting number type, on about a
+/// thousand strands, evenly chosen.
 OperationCount countOperations(const StrandModel& model, const StrandState& state, const StepInput& input);
 
-/// What a part is called in tables.
+/// A part's name in tables.
 const char* nameOf(StepPart part);
 
-/// Floating-point operations per second that `threads` threads reach with independent fused multiply-adds on
-/// the widest vectors of this machine, measured; the pair counts two.
+/// Measured floating-point operations per second of `threads` threads with independent fused multiply-adds on
+/// the widest vectors of this machine; each counts as two.
 double measuredPeak(int threads);
-/// The same of one thread per second of processor time, in which what else the machine does is not counted.
+/// The same for one thread, per second of processor time, which excludes other load on the machine.
 double measuredPeakOfProcessor();
 
 }  // namespace strandcast

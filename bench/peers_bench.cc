@@ -1,4 +1,4 @@
-#include "bench/peers_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -21,12 +21,12 @@
 namespace strandcast {
 namespace {
 
-/// The head shake that all are tried under: 5 cm to either side, twice a second. Roots do not turn: ropes,
-/// which do not bend, would not follow.
+/// The head shake of all trials: 5 cm to either side, twice a second. Roots do not rotate: ropes have no
+/// bending and would not follow.
 constexpr Shake kHeadShake{.reach = 0.05, .shakes = 2, .turns = 0, .ramp = 0.5};
 
 struct PeersOptions {
-  std::vector<int> substeps;  // empty: as many as the run is thorough
+  std::vector<int> substeps;  // empty: a default ladder, shorter with --quick
   int sweeps = 16384, copies = 256, frames = 8;
   bool quick = false;
   std::filesystem::path plot;
@@ -57,7 +57,8 @@ Parameters parametersOf(const PeersSetting& setting) {
   p.solver = solverKind(setting.solver);
   p.substeps = setting.substeps;
   if (setting.iterations > 0) p.iterations = setting.iterations;
-  // Ropes as Bullet's are: a shape would have to be chosen for each number of iterations.
+  // No shape restoration, as Bullet's ropes have none: a rate would have to be tuned for each number of
+  // iterations.
   p.shape_rate = p.shape_rate_tip = 0;
   return p;
 }
@@ -123,7 +124,7 @@ nlohmann::json rowOf(const PeersOptions& o, const ShakenStrand& truth, const Pee
   StrandError error;
   if (setting.solver == "bullet") {
     error = bulletError(truth, setting);
-    // Long sweeps need few copies for their time to be told.
+    // Long sweeps need few copies for a measurable time.
     const int copies = std::clamp(o.copies * 256 / (setting.substeps * setting.iterations), 8, o.copies);
     const Spread ns = bulletCost(truth, setting, copies, o.frames);
     row.update({{"copies", copies},
@@ -132,7 +133,7 @@ nlohmann::json rowOf(const PeersOptions& o, const ShakenStrand& truth, const Pee
                 {"ns_per_vertex_frame_p95", ns.p95}});
   } else {
     error = errorWith(truth, parametersOf(setting));
-    const int copies = 4 * o.copies;  // whole blocks of lanes, and many of them
+    const int copies = 4 * o.copies;  // full blocks of lanes, and many of them
     const MeasuredRun run = strandcastCost(truth, setting, copies, 4 * o.frames);
     const double per_vertex = 1e6 / static_cast<double>(run.vertices);
     row.update({{"copies", copies},
@@ -143,7 +144,7 @@ nlohmann::json rowOf(const PeersOptions& o, const ShakenStrand& truth, const Pee
                 {"allocations", run.allocations},
                 {"state_hash", fmt::format("{:016x}", run.hash)}});
   }
-  if (!std::isfinite(error.tip)) return row;  // it flew apart
+  if (!std::isfinite(error.tip)) return row;  // diverged
   row.update({{"mean_stretch", error.mean_stretch},
               {"max_stretch", error.max_stretch},
               {"tip_error_mm", 1e3 * error.tip}});
@@ -168,8 +169,10 @@ std::string peerConclusions(const std::vector<nlohmann::json>& rows) {
   }
   if (const auto ratio = bulletOverRod(rows, 4))
     out += fmt::format(
-        "  Bullet against the rod's 4 substeps, which stretch {:.2g} % at most: {} {:.0f} times the cost{}\n",
-        100 * ratio->stretch, ratio->reached ? "as little at" : "never as little; at", ratio->ratio,
+        "  Bullet against the rod at 4 substeps, which stretches {:.2g} % at most: {} {:.0f} times the "
+        "cost{}\n",
+        100 * ratio->stretch, ratio->reached ? "equal or less stretch at" : "never that little; at",
+        ratio->ratio,
         ratio->reached
             ? ""
             : fmt::format(" it stretches {:.2g} % ({})", 100 * ratio->bullet["max_stretch"].get<double>(),
@@ -204,7 +207,7 @@ int peers(PeersOptions o) {
                        {"state_hash"}});
   {
     ProgressBar bar;
-    bar.show("the truth", 0);
+    bar.show("reference solution", 0);
     const ShakenStrand truth = straightTruth(kHeadShake);
     const std::vector<PeersSetting> settings = settingsOf(o);
     std::vector<nlohmann::json> rows;
@@ -234,16 +237,14 @@ int peers(PeersOptions o) {
 std::function<int()> addPeersBench(CLI::App& app) {
   const auto o = std::make_shared<PeersOptions>();
   app.footer(
-      "Straight hair of 25 cm and 32 edges under gravity, whose root is shaken 5 cm to either side "
-      "twice\n"
-      "a second; frames of 1/60 s. All have the same gravity, masses, drag, steps and motion of "
-      "the\n"
-      "root, and one thread. Times are processor time, of the least frame.\n"
+      "Straight hair of 25 cm and 32 edges under gravity, with the root shaken 5 cm to either side twice\n"
+      "a second; frames of 1/60 s. All solvers have the same gravity, masses, drag, steps and motion of the\n"
+      "root, and one thread. Times are the least processor time of a frame.\n"
       "rod:          simd backend. gauss_seidel: simd backend, the scheme of TressFX (Verlet, distance\n"
       "              constraints in two colours), as ropes without a shape.\n"
       "bullet:       soft-body ropes of Bullet (btSoftBodyHelpers::CreateRope, m_kLST = 1, links from root "
       "to\n"
-      "              tip), iterations of positions; the bodies' steps alone, without a world and "
+      "              tip), position iterations; the steps of the bodies alone, without a world and "
       "collisions.\n"
       "stretch:      mean and largest of two strands over 1.5 s. tip: rms distance of the tip from that of "
       "an\n"
@@ -251,21 +252,23 @@ std::function<int()> addPeersBench(CLI::App& app) {
       "Examples:\n"
       "  strandbench peers --quick\n"
       "  strandbench peers --plot peers.svg");
-  app.add_option("--substeps", o->substeps, "a frame, ascending; 1,2,4,8,16, with --quick 1,4,16")
+  app.add_option("--substeps", o->substeps,
+                 "substeps per frame, ascending; default 1,2,4,8,16, with --quick 1,4,16")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
-  app.add_option("--sweeps", o->sweeps, "most substeps x iterations of a frame")
+  app.add_option("--sweeps", o->sweeps, "largest substeps x iterations of a frame")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--copies", o->copies,
-                 "ropes of Bullet where cost is measured; Strandcast has four times these")
+                 "ropes of Bullet in the cost measurement; Strandcast's solvers have four times as many")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--frames", o->frames, "of Bullet where cost is measured; Strandcast has four times these")
+  app.add_option("--frames", o->frames,
+                 "frames of Bullet in the cost measurement; Strandcast's solvers have four times as many")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_flag("--quick", o->quick, "fewer settings, fewer frames");
-  app.add_option("--plot", o->plot, "also draw stretch against cost into this SVG file");
+  app.add_option("--plot", o->plot, "also plot stretch against cost into this SVG file");
   addPrintOptions(app, o->print);
   return [o] { return peers(*o); };
 }

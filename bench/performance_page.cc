@@ -20,35 +20,33 @@ using Rows = std::vector<nlohmann::json>;
 
 constexpr const char* kIntroduction = R"(# Performance
 
-Generated from the CSV files of `bench/results` by `strandbench report`; do not edit it, a test compares. Each table stands beside the
-command that measured it, its commit and its machine.
+Generated from the CSV files of `bench/results` by `strandbench report`; do not edit it, because a test compares it with the program's
+output. Each table names the command that measured it, its commit and its machine.
 
 ```
 ./dev bench                  # everything in under ten minutes: one table, plots and CSV in out/bench
-./dev bench --save           # the same, CSV in bench/results/<processor>, and this page anew
-./dev bench --save --machine nvidia-h100      # on a machine that is known by its GPU
+./dev bench --save           # the same, with CSV in bench/results/<processor>, and this page generated again
+./dev bench --save --machine nvidia-h100      # names the folder, here by the machine's GPU
 ```
 
 How to read it:
 
-- **ms** is a whole step and reading its guides, by the wall: least, median and 95th percentile. **cpu ms** is the processor time of
-  it, all threads: on a shared machine it stays what it is while the wall goes slow. **gpu ms** is the GPU's own clock, of the
-  dispatches alone; **submit** and **wait** are its step by the wall: giving the commands and what it is told, and waiting for the guides
-  to be back.
-- **of peak**: floating-point operations of the step, counted by running its own text with numbers that count, over what the same
-  threads reach with fused multiply-adds alone, measured in the same run; **cpu** beside it is the same of the least processor times.
-  A GPU's are of its own clock, over what a shader of multiply-adds alone reaches. `strandbench step --operations` tells them by part of
-  the step ([solver.md](solver.md), "What the parts of a substep take").
-- **of copy**: the bytes that the step moves at least, all positions and velocities read and written once, over what the same threads,
-  or the GPU, move when they copy memory beyond the caches. The file beside the table has both rates.
-- **B/vtx**: all memory that a simulation takes, on the heap (counted by the program's operator new) and in buffers of the GPU, over
-  its vertices. On llvmpipe the driver's compiled programs are part of it.
-- **allocs**: calls of operator new during all the timed steps.
-- **stretch**, **depth** and **state** are what was computed in that very run: a fast wrong answer would show.
+- **ms** is the wall time of a whole step and of reading its guides: least, median and 95th percentile. **cpu ms** is the processor time
+  of the same, of all threads; it is unaffected by load that inflates wall time. **gpu ms** is the time of the dispatches alone, by the
+  GPU's clock. **submit** and **wait** are the wall time of a GPU's step: submitting commands and uploads, and waiting for the guides.
+- **of peak**: floating-point operations of the step, counted by running the step's source with a counting number type, over the rate
+  that the same threads reach with fused multiply-adds alone, measured in the same run. **cpu** is the same for the least processor time.
+  On a GPU it is gpu ms, over the rate of a shader with multiply-adds alone. `strandbench step --operations` prints the operations of
+  each part of the step ([solver.md](solver.md), "What the parts of a substep take").
+- **of copy**: the least bytes that the step moves, all positions and velocities read and written once, over the rate at which the same
+  threads, or the GPU, copy memory beyond the caches. The CSV file of the table has both rates.
+- **B/vtx**: all memory of a simulation, on the heap (counted by the program's operator new) and in buffers of the GPU, per vertex.
+  On llvmpipe it includes the driver's compiled programs.
+- **allocs**: calls of operator new during all timed steps.
+- **stretch**, **depth** and **state** are results of the timed run itself, so a fast but wrong solve would show.
 - AVX3 is Highway's name for AVX-512.
-- **load average** stands beside each command: above the number of hardware threads, others were at work on the machine too, and times
-  by the wall, latencies above all, are those of a busy machine. Processor times suffer less, but they do: caches and the execution
-  units of a core are shared.
+- **load average** is given with each command. Above the number of hardware threads, other programs loaded the machine, which inflates
+  wall times, and latencies most. Processor times suffer less, but not nothing: caches and the execution units of a core are shared.
 )";
 
 std::string cell(const nlohmann::json& row, const Column& column) {
@@ -111,7 +109,7 @@ const std::vector<Column> kRodColumns{{"scene", "scene"},
                                       {"max_penetration_m", "depth m", "{:.1e}"},
                                       {"state_hash", "state"}};
 
-/// What a file of results becomes.
+/// The section of a file of results.
 struct Section {
   const char* file;
   const char* title;
@@ -124,15 +122,15 @@ struct Section {
 std::string scalingConclusions(const Rows& rows) {
   std::string out;
   for (const AxisFit& fit : fitAxes(rows))
-    out += fmt::format("- time grows with {} by the power of {:.3f} (standard error {:.3f}, {} points)\n",
-                       fit.axis, fit.law.exponent, fit.law.standard_error, fit.points);
+    out += fmt::format("- time ~ {}^{:.3f} (standard error {:.3f}, {} points)\n", fit.axis, fit.law.exponent,
+                       fit.law.standard_error, fit.points);
   return out;
 }
 
 std::string peersConclusions(const Rows& rows) {
   std::string out =
-      "| stretch at most | rod, ns per vertex and frame | gauss_seidel | Bullet | Bullet over rod "
-      "|\n|---|---|---|---|---|\n";
+      "| stretch at most | rod, ns per vertex and frame | gauss_seidel | Bullet | Bullet over rod |\n"
+      "|---|---|---|---|---|\n";
   for (const double target : {0.1, 0.01, 0.001, 0.0001}) {
     out += fmt::format("| {:g} % |", 100 * target);
     double rod = 0, bullet = 0;
@@ -151,12 +149,12 @@ std::string peersConclusions(const Rows& rows) {
     }
     out += rod > 0 && bullet > 0 ? fmt::format(" {:.0f} |\n", bullet / rod) : " |\n";
   }
-  out += "\nIn brackets: substeps a frame x iterations a substep. ";
+  out += "\nIn brackets: substeps per frame x iterations per substep. ";
   if (const auto ratio = bulletOverRod(rows, 4))
     out += fmt::format(
         "The rod at its default of 4 substeps stretches {:.2g} % at most; Bullet's ropes {} {:.0f} times its "
         "cost{}.\n",
-        100 * ratio->stretch, ratio->reached ? "do as well at" : "do not get there: at", ratio->ratio,
+        100 * ratio->stretch, ratio->reached ? "reach that at" : "do not reach that: at", ratio->ratio,
         ratio->reached
             ? ""
             : fmt::format(" they stretch {:.2g} %", 100 * ratio->bullet["max_stretch"].get<double>()));
@@ -216,11 +214,10 @@ const std::vector<Section>& sections() {
       {"gpu_4k_all", "4,000 x 32 on the GPU with everything", "", kStepColumns},
       {"scaling",
        "Scaling",
-       "`value` is of the axis. Sizes, lanes and grooms run on one thread and are compared in processor "
-       "time; threads by the wall, their "
-       "steps in turn. Lanes are compared with the float reference backend, grooms (one head of hair cut "
-       "into so many, all in one "
-       "process) with one. Readers are processes that read one stream over DDS.",
+       "`value` is the value of the axis. Sizes, lanes and grooms run on one thread and are compared in "
+       "processor time. Threads are compared in wall time, with interleaved steps. Lanes are compared with "
+       "the float reference backend, and grooms (one head of hair split into this many grooms in one "
+       "process) with one groom. Readers are processes that read one stream over DDS.",
        {{"axis", "axis"},
         {"value", "value"},
         {"device", "device"},
@@ -241,39 +238,32 @@ const std::vector<Section>& sections() {
        scalingConclusions},
       {"peers",
        "Peers",
-       "Straight hair of 25 cm and 32 edges under gravity, its root shaken 5 cm to either side twice a "
-       "second; frames of 1/60 s. "
-       "`gauss_seidel` is the course's scheme, which is TressFX's: Verlet and distance constraints in two "
-       "colours; it runs as a rope, "
-       "without a shape. Bullet is the soft-body rope of Debian's package (its own release flags): one "
-       "`btSoftBodyHelpers::CreateRope` "
-       "a strand, links that do not give (`m_kLST = 1`) in their order from the root, which is the best "
-       "order for a rope, and as many "
-       "iterations of positions as it takes. To Bullet's favour its bodies step by themselves, without a "
-       "world, a broad phase or "
-       "collisions, and reading the positions is not counted. Masses, gravity, drag, steps and the root's "
-       "way are equal, and so is the "
-       "one thread. Times are the least processor time of a frame. Tips are held against an exact rod; "
-       "ropes, which do not bend, "
-       "cannot be right.",
+       "Straight hair of 25 cm and 32 edges under gravity, with the root shaken 5 cm to either side twice a "
+       "second; frames of 1/60 s. `gauss_seidel` is the scheme of TressFX: Verlet integration and distance "
+       "constraints in two colours; it runs as a rope, without a rest shape. Bullet is the soft-body rope of "
+       "Debian's package (its own release flags): one `btSoftBodyHelpers::CreateRope` per strand, rigid "
+       "links (`m_kLST = 1`) in order from the root, which is the best order for a rope, and the position "
+       "iterations of each setting. In Bullet's favour its bodies step without a world, a broad phase or "
+       "collisions, and reading the positions is not counted. Masses, gravity, drag, steps and the motion of "
+       "the root are equal, and both use one thread. Times are the least processor time of a frame. Tips are "
+       "compared with an exact rod; ropes have no bending stiffness, so they cannot match it.",
        {},
        peersPlot,
        peersConclusions},
       {"end_to_end", "End to end, to decoded guides",
-       "From the motion of the head, over simulation, codec and DDS between two processes, to guides that a "
-       "renderer has. Medians by "
-       "phase, ms; `publish` is encoding and handing over to DDS, `wire` what is left until all is received "
-       "and decoded. In brackets "
-       "what encoding and decoding take by themselves, on further frames.",
+       "Latency from the motion of the head through simulation, codec and DDS between two processes to "
+       "decoded guides in a renderer. Medians per phase, ms; `publish` is encoding and passing the chunks to "
+       "DDS, `wire` the remaining time until everything is received and decoded. In brackets: encoding and "
+       "decoding alone, on further frames.",
        kLatencyColumns, latencyPlot},
       {"end_to_end_grown", "End to end, to grown hair",
-       "The same until the device's fence says that the hair is grown. A renderer that is slower than the "
-       "frames skips some.",
+       "The same until the device's fence signals that the hair is grown. A renderer that is slower than the "
+       "frame rate skips frames.",
        kLatencyColumns, latencyPlot},
       {"wire",
        "Codecs",
-       "Between two processes; what `strandcast validate wire` scores. Processor time of either, of one "
-       "core.",
+       "Between two processes; `strandcast validate wire` scores the same cases. Processor time of each "
+       "process, in percent of one core.",
        {{"transport", "transport"},
         {"codec", "codec"},
         {"strands", "guides"},
@@ -302,8 +292,8 @@ const std::vector<Section>& sections() {
         {"max_stretch", "max stretch", "{:.1e}"},
         {"max_penetration_m", "depth m", "{:.1e}"}}},
       {"grid", "Air and hair on grids", "", kGridColumns},
-      {"gpu_grid", "Air and hair on the GPU's grids", "Each pass by itself; `all` as they run in a step.",
-       kGridColumns},
+      {"gpu_grid", "Air and hair on the GPU's grids",
+       "Each pass alone; `all` is all passes as they run in a step.", kGridColumns},
       {"render",
        "Growth of hair",
        "",
@@ -317,8 +307,8 @@ const std::vector<Section>& sections() {
         {"growth_error", "error/length", "{:.1e}"}}},
       {"render_passes",
        "Passes of a picture",
-       "1920 x 1080 with four samples a pixel, one light with deep opacity maps. Guides and growing hair are "
-       "computed, what follows is drawn.",
+       "1920 x 1080 with four samples per pixel, one light with deep opacity maps. Guides and growth are "
+       "compute passes, the following ones draw.",
        {{"device", "device"},
         {"hairs", "hairs"},
         {"vertices", "vertices"},
@@ -332,12 +322,13 @@ const std::vector<Section>& sections() {
         {"growth_bytes", "bytes of growth", "{:.3g}"},
         {"device_bytes", "bytes in all", "{:.3g}"}}},
       {"step_rod", "The rod on the GPU, over kinds of hair and sizes", "", kRodColumns},
-      {"step_hair", "What hair that is not even costs on the GPU", "docs/solver.md tells why.", kRodColumns},
-      {"accuracy", "Cost and error of the solvers' settings", "docs/solver.md tells what it means.", {}}};
+      {"step_hair", "Cost of uneven hair on the GPU", "docs/solver.md explains the differences.",
+       kRodColumns},
+      {"accuracy", "Cost and error of the solvers' settings", "docs/solver.md explains the columns.", {}}};
   return list;
 }
 
-/// All columns of a file of a few; the first of one of many.
+/// The columns of a file, the first 14 at most.
 std::vector<Column> wholeFile(const CsvFile& file) {
   constexpr size_t kMost = 14;
   std::vector<Column> columns;
@@ -346,7 +337,7 @@ std::vector<Column> wholeFile(const CsvFile& file) {
   return columns;
 }
 
-/// Columns that some row has.
+/// Columns for which at least one row has a value.
 std::vector<Column> usedColumns(const std::vector<Column>& columns, const Rows& rows) {
   std::vector<Column> used;
   for (const Column& column : columns)
@@ -366,7 +357,7 @@ class Page {
       for (const auto& entry : fs::directory_iterator(results))
         if (entry.is_directory()) machines.insert(entry.path());
     if (machines.empty())
-      throw Error("there are no results", results.string(), "make some: strandbench all --save");
+      throw Error("the folder has no results", results.string(), "create them: strandbench all --save");
     out.text = kIntroduction;
     for (const fs::path& machine : machines) addMachine(machine.filename().string(), readResults(machine));
   }

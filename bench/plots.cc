@@ -8,7 +8,7 @@
 namespace strandcast {
 namespace {
 
-/// A number of a row; not above 0, which plots leave out, where it does not apply.
+/// A number of a row; not positive where it is missing, so that logarithmic plots skip it.
 double number(const nlohmann::json& row, const std::string& key) {
   const auto found = row.find(key);
   return found != row.end() && found->is_number() ? found->get<double>() : 0;
@@ -41,7 +41,7 @@ PlotPanel peersPanel(const std::vector<nlohmann::json>& rows, const std::string&
       panel.series.push_back({name, shade(row["solver"], row["substeps"]), {}});
     const bool rod = row["solver"] == "rod";
     const auto iterations = static_cast<int>(number(row, "iterations"));
-    // Few labels: the others follow by doubling.
+    // Few labels: the values between them double along the line.
     const bool labelled = rod || iterations == 1 || iterations == 64 || iterations == 1024;
     panel.series.back().points.push_back(
         {number(row, "ns_per_vertex_frame"), factor * number(row, key),
@@ -52,8 +52,8 @@ PlotPanel peersPanel(const std::vector<nlohmann::json>& rows, const std::string&
 
 constexpr const char* kPeersCost = "processor time per vertex and frame of 1/60 s, ns, one thread";
 constexpr const char* kPeersNote =
-    "Beside the points: substeps of the rod, iterations a substep of the others, which double (or quadruple) "
-    "along a line.";
+    "Labels: substeps of the rod, iterations per substep of the others, which double (or quadruple) along a "
+    "line.";
 
 }  // namespace
 
@@ -81,8 +81,8 @@ std::string scalingPlot(const std::vector<nlohmann::json>& rows) {
       if (row["axis"] == axis) series.points.push_back({number(row, "value"), leastMs(row), ""});
     if (!series.points.empty()) panel.series.push_back(series);
   }
-  return logLogPlot("strands, vertices a strand, or substeps", "least time of a step, ms",
-                    "Processor time of one thread; of several, or a GPU, wall time.", {panel});
+  return logLogPlot("strands, vertices per strand, or substeps", "least time of a step, ms",
+                    "Processor time for one thread; wall time for several threads or a GPU.", {panel});
 }
 
 std::string latencyPlot(const std::vector<nlohmann::json>& rows) {
@@ -103,8 +103,8 @@ std::string latencyPlot(const std::vector<nlohmann::json>& rows) {
       series.points.push_back({number(row, key), slower, ""});
     panel.series.push_back(series);
   }
-  return logLogPlot("latency, ms", "part of the frames that take longer",
-                    "The lowest mark is the 99th percentile.", {panel});
+  return logLogPlot("latency, ms", "fraction of the frames that take longer",
+                    "The lowest point is the 99th percentile.", {panel});
 }
 
 }  // namespace strandcast

@@ -5,15 +5,15 @@
 
 namespace strandcast {
 
-/// The plots of docs/performance.md, as whole SVG documents, from rows of the verbs' tables.
+/// The plots of docs/performance.md as complete SVG documents, from rows of the verbs' tables.
 
-/// Stretch, largest and mean, over cost; of `peers`.
+/// Largest and mean stretch against cost; of `peers`.
 std::string peersPlot(const std::vector<nlohmann::json>& rows);
-/// Distance of the tip from the truth over cost; of `peers`.
+/// Distance of the tip from the reference against cost; of `peers`.
 std::string peersTipPlot(const std::vector<nlohmann::json>& rows);
-/// Time of a step over strands, vertices and substeps; of `scaling`.
+/// Time of a step against strands, vertices and substeps; of `scaling`.
 std::string scalingPlot(const std::vector<nlohmann::json>& rows);
-/// Which part of the frames took longer than so many milliseconds; of `end-to-end`.
+/// Fraction of frames with a latency above a given time, ms; of `end-to-end`.
 std::string latencyPlot(const std::vector<nlohmann::json>& rows);
 
 }  // namespace strandcast

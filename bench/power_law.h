@@ -4,12 +4,12 @@
 
 namespace strandcast {
 
-/// y = factor x^exponent, by least squares of log y over log x.
+/// y = factor x^exponent, by least squares of log y against log x.
 struct PowerLaw {
   double exponent = 0, factor = 0;
-  double standard_error = 0;  ///< of the exponent; 0 where two points leave none
+  double standard_error = 0;  ///< of the exponent; 0 with two points
 };
-/// At least two points of different x, all above 0.
+/// Precondition: at least two points of different x, all coordinates above 0.
 PowerLaw fitPowerLaw(std::span<const std::pair<double, double>> points);
 
 }  // namespace strandcast

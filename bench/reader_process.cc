@@ -20,7 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 60s;  // more than the reader has for its daemon
+constexpr auto kPatience = 60s;  // longer than the reader waits for its groom
 
 struct ReaderOptions {
   int domain = 0, hairs = 0, segments = 31;
@@ -45,7 +45,7 @@ class Grower {
     pass_.setHairs(growHairs(guides, growth), growth);
   }
   const std::string& renderer() const { return context_.renderer(); }
-  /// Returns when the device says that it is done.
+  /// Returns after the device has finished.
   void grow(const GuideFrame& frame) {
     nodes_.update(frame.positions, frame.head);
     pass_.grow(nodes_, pass_.all());
@@ -75,13 +75,14 @@ class Grower {
 int read(const ReaderOptions& o) {
   const std::unique_ptr<Subscriber> subscriber = makeDdsSubscriber({o.domain, 1, 0, {}});
   if (!subscriber->waitForGroom(30s))
-    throw Error("the groom does not arrive", fmt::format("domain {}", o.domain), "is there a daemon?");
+    throw Error("the groom did not arrive", fmt::format("domain {}", o.domain),
+                "is a daemon running on this domain?");
   std::unique_ptr<Grower> grower;
   if (o.hairs > 0) {
     grower = std::make_unique<Grower>(subscriber->groom()->guides, o.hairs, o.segments);
     GuideFrame rest;
     rest.positions = subscriber->groom()->guides.positions;
-    grower->grow(rest);  // compiles
+    grower->grow(rest);  // compiles the shaders
   }
   fmt::print("ready\n");
   std::fflush(stdout);
@@ -91,7 +92,7 @@ int read(const ReaderOptions& o) {
   uint64_t newest = 0;
   while (newest < o.last_frame) {
     if (!subscriber->waitForFrame(newest, newest == 0 ? 30s : 3s)) break;
-    const std::shared_ptr<const GuideFrame> frame = subscriber->frame();  // as a renderer: not what is older
+    const std::shared_ptr<const GuideFrame> frame = subscriber->frame();  // newest only
     const int64_t taken = steadyNanoseconds();
     if (grower) grower->grow(*frame);
     newest = frame->frame;
@@ -113,10 +114,11 @@ int read(const ReaderOptions& o) {
 
 std::function<int()> addReader(CLI::App& app) {
   const auto o = std::make_shared<ReaderOptions>();
-  app.add_option("--domain", o->domain, "of DDS")->check(CLI::Range(0, 232))->required();
-  app.add_option("--last-frame", o->last_frame, "after which it ends")->required();
-  app.add_option("--hairs", o->hairs, "grown of each frame; 0 = none")->check(CLI::Range(0, 4000000));
-  app.add_option("--segments", o->segments, "of a hair")->check(CLI::Range(1, 256));
+  app.add_option("--domain", o->domain, "DDS domain")->check(CLI::Range(0, 232))->required();
+  app.add_option("--last-frame", o->last_frame, "frame number after which the reader process ends")
+      ->required();
+  app.add_option("--hairs", o->hairs, "hairs grown per frame; 0 = none")->check(CLI::Range(0, 4000000));
+  app.add_option("--segments", o->segments, "segments per hair")->check(CLI::Range(1, 256));
   return [o] { return read(*o); };
 }
 
@@ -126,12 +128,13 @@ ReaderProcess::ReaderProcess(int domain, uint64_t last_frame, int hairs, int seg
 
 void ReaderProcess::waitReady() {
   if (process_.line(kPatience) != "ready")
-    throw Error("the reader " + process_.end(), "strandbench reader", "see above");
+    throw Error("the reader process " + process_.end(), "strandbench reader", "see its message above");
 }
 
 nlohmann::json ReaderProcess::report() {
   nlohmann::json out = nlohmann::json::parse(process_.line(kPatience).value_or(""), nullptr, false);
-  if (!out.is_object()) throw Error("the reader " + process_.end(), "strandbench reader", "see above");
+  if (!out.is_object())
+    throw Error("the reader process " + process_.end(), "strandbench reader", "see its message above");
   return out;
 }
 

@@ -1,4 +1,4 @@
-#include "bench/render_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ struct RenderOptions {
   PrintOptions print;
 };
 
-/// What `work` takes by the device's clock, ms.
+/// Time of `work` by the device's clock, ms.
 template <class Work>
 Spread deviceMs(int times, const Work& work) {
   GLuint stamps[2];
@@ -48,8 +48,8 @@ Spread deviceMs(int times, const Work& work) {
 struct GrowthTimes {
   double distribute_ms;
   Spread nodes_ms, growth_ms;
-  size_t bytes;  ///< of grown vertices
-  double error;  ///< of a sample of the vertices, over the length of their guides
+  size_t bytes;  ///< of the grown vertices
+  double error;  ///< of a sample of the vertices, relative to the length of their guides
 };
 
 GrowthTimes timeGrowth(const RenderOptions& o, const StrandSet& guides, const HairGrowth& growth) {
@@ -118,7 +118,8 @@ RenderStatistics timePasses(const RenderOptions& o, const Scene& scene, const Ha
 int run(const RenderOptions& asked) {
   gl::HeadlessContext context;
   RenderOptions o = asked;
-  o.samples = PictureBuffer(o.width, o.height, asked.samples).samples();  // devices give others
+  // The device may choose another number.
+  o.samples = PictureBuffer(o.width, o.height, asked.samples).samples();
   const Scene scene = benchScene(o.scene, o.guides, 0, o.seed);
   Bench bench;
   bench.name = "render";
@@ -188,23 +189,25 @@ int run(const RenderOptions& asked) {
 
 std::function<int()> addRenderBench(CLI::App& app) {
   const auto o = std::make_shared<RenderOptions>();
-  app.add_option("--hairs", o->hairs, "one or more numbers")
+  app.add_option("--hairs", o->hairs, "numbers of hairs, one or more")
       ->check(CLI::Range(1, 4000000))
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--vertices", o->vertices, "per hair")->check(CLI::Range(2, 257))->capture_default_str();
+  app.add_option("--vertices", o->vertices, "vertices per hair")
+      ->check(CLI::Range(2, 257))
+      ->capture_default_str();
   app.add_option("--guides", o->guides)->check(CLI::Range(1, 1000000))->capture_default_str();
   addScene(app, o->scene);
   addSeed(app, o->seed);
   app.add_option("--width", o->width, "pixels")->check(CLI::Range(16, 16384))->capture_default_str();
   app.add_option("--height", o->height, "pixels")->check(CLI::Range(16, 16384))->capture_default_str();
-  app.add_option("--samples", o->samples, "per pixel; those that the device gives are told")
+  app.add_option("--samples", o->samples, "samples per pixel; the heading shows the device's number")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
-  app.add_option("--pictures", o->pictures, "timed; medians are given")
+  app.add_option("--pictures", o->pictures, "timed pictures; the table has medians")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  app.add_flag("--growth-only", o->growth_only, "compute alone, no picture");
+  app.add_flag("--growth-only", o->growth_only, "measure growth in compute shaders only, without drawing");
   addPrintOptions(app, o->print);
   return [o] { return run(*o); };
 }

@@ -1,4 +1,4 @@
-#include "bench/report_verb.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -38,11 +38,13 @@ int report(const ReportOptions& o) {
 
 std::function<int()> addReport(CLI::App& app) {
   const auto o = std::make_shared<ReportOptions>();
-  app.footer("Run it where the project's files are: its paths are from there.");
-  app.add_option("--results", o->results, "folders of machines with CSVs")->capture_default_str();
+  app.footer("Run it in the project's root folder: the default paths are relative to it.");
+  app.add_option("--results", o->results, "folder with a folder of CSV files per machine")
+      ->capture_default_str();
   app.add_option("--page", o->page)->capture_default_str();
-  app.add_option("--images", o->images, "folder of its plots")->capture_default_str();
-  app.add_flag("--check", o->check, "write nothing; exit code 1 where a file is not as it would be written");
+  app.add_option("--images", o->images, "folder of the page's plots")->capture_default_str();
+  app.add_flag("--check", o->check,
+               "write nothing; exit code 1 if a file differs from what would be written");
   return [o] { return report(*o); };
 }
 

@@ -1,4 +1,4 @@
-#include "bench/scaling_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -35,7 +35,7 @@ struct ScalingOptions {
   std::vector<std::string> axes = kAxes;
   std::string backend = "simd", scene = "curly";
   int strands = 0, max_strands = 1000000, vertices = 32, substeps = 4;
-  int threads = 1;  // where they are not the axis
+  int threads = 1;  // unless it is the axis
   double budget = 0;
   uint64_t seed = 1;
   bool quick = false;
@@ -46,7 +46,7 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What the machine can give without swapping, bytes; without end where it does not say.
+/// Memory that the machine has available without swapping, bytes; infinite where the system does not say.
 double availableMemory() {
   std::ifstream info("/proc/meminfo");
   for (std::string line; std::getline(info, line);)
@@ -109,7 +109,7 @@ class Scaling {
     };
     return std::make_unique<TimedSimulation>(simulation, scene.motion, steps);
   }
-  /// The row of a setting; ready for what only its axis states.
+  /// The columns that all axes share.
   static nlohmann::json rowOf(const ScalingSetting& s, const MeasuredRun& run) {
     nlohmann::json row = cellsOf(run);
     row.update({{"axis", s.axis},
@@ -120,7 +120,7 @@ class Scaling {
                 {"threads", s.threads}});
     return row;
   }
-  /// How many steps of so many milliseconds are worth their time.
+  /// Number of steps to measure for a step time in ms: about 1.5 s of them (0.3 s with --quick), 5 to 200.
   int stepsFor(double ms) const { return std::clamp(static_cast<int>((o_.quick ? 300 : 1500) / ms), 5, 200); }
 
   void sizes(const std::string& axis, const std::vector<int>& values) {
@@ -130,7 +130,7 @@ class Scaling {
       if (axis == "vertices") s.vertices = value;
       if (axis == "substeps") s.substeps = value;
       if (s.strands > o_.max_strands) continue;
-      // The scene is in memory beside its simulation.
+      // The factor 2 accounts for the scene beside its simulation.
       const double vertices = static_cast<double>(s.strands) * s.vertices;
       const double memory = 2 * bytes_per_vertex * vertices, most = 0.7 * availableMemory();
       if (memory > most) {
@@ -159,8 +159,8 @@ class Scaling {
     }
   }
 
-  /// Settings in turn, step by step, so that what else the machine does meets all alike; the first is what
-  /// the others are compared with, by their least times.
+  /// Interleaves the settings step by step, so that other load on the machine affects all alike. Speedups are
+  /// relative to the first setting, by minimum times.
   std::vector<nlohmann::json> inTurn(const std::vector<ScalingSetting>& settings, int steps) {
     const Scene scene = benchScene(o_.scene, settings[0].strands, settings[0].vertices, o_.seed);
     std::vector<std::unique_ptr<TimedSimulation>> timed;
@@ -200,7 +200,7 @@ class Scaling {
     std::vector<std::string> targets = simdTargets();
     std::reverse(targets.begin(), targets.end());
     for (const std::string& target : targets) {
-      // 128, 256 and 512 bits of floats.
+      // Vectors of 128, 256 and 512 bits of floats.
       const double lanes = target.starts_with("AVX3") ? 16
                            : target == "AVX2"         ? 8
                            : target == "SCALAR"       ? 1
@@ -213,7 +213,7 @@ class Scaling {
     for (nlohmann::json& row : inTurn(settings, o_.quick ? 12 : 60)) table.add(std::move(row));
   }
 
-  /// The same hair as one groom and as many, all in this process, one after the other in every step.
+  /// The same number of strands as one groom and as several, in one process and stepped one after the other.
   void grooms() {
     const int all = strandsOr(8192);
     double first = 0;
@@ -254,7 +254,7 @@ class Scaling {
     }
   }
 
-  /// One daemon's stream, read by many processes.
+  /// One daemon's stream, received by several processes.
   void readers() {
     std::string reason;
     if (!ddsAvailable(&reason)) {
@@ -307,7 +307,7 @@ class Scaling {
         p50 = std::max(p50, report["latency_ms_p50"].get<double>());
         p99 = std::max(p99, report["latency_ms_p99"].get<double>());
       }
-      row.erase("allocations");  // DDS's threads have theirs meanwhile
+      row.erase("allocations");  // would include allocations of DDS's threads
       row.update({{"publish_ms", spreadOf(publish_ms).median},
                   {"frames_lost", lost},
                   {"latency_ms_p50", p50},
@@ -321,7 +321,7 @@ class Scaling {
   double part_ = 0;
 };
 
-/// What the rows mean, a line each.
+/// Conclusions from the rows, a line each.
 std::string scalingConclusions(const std::vector<nlohmann::json>& rows) {
   std::string out;
   for (const AxisFit& fit : fitAxes(rows))
@@ -380,38 +380,40 @@ std::function<int()> addScalingBench(CLI::App& app) {
   app.footer(
       "strands:  100 to 1,000,000 of 32 vertices       vertices: 8 to 128, of 2,000 strands\n"
       "substeps: 1 to 32                                threads:  1 to all, 10,000 strands\n"
-      "lanes:    the float reference, then simd with each instruction set that runs here, one thread\n"
+      "lanes:    the float reference, then simd with each instruction set of this machine, one thread\n"
       "grooms:   8,192 strands as 1 to 16 grooms in one process\n"
       "readers:  1 to 8 processes that read one stream of 1,000 guides over DDS\n"
-      "Sizes that would take longer than --budget are left out, and told: with --quick, as `strandbench all` "
-      "runs it,\n"
-      "on few cores those beyond 10,000 strands. `strandbench all --thorough`, or this without --quick, has "
-      "them.\n"
-      "Exponents are fitted to the least times, by least squares of their logarithms. Threads, and lanes, "
-      "take\n"
-      "their steps in turn; their speedup is that of the least times.\n"
+      "Sizes that would take longer than --budget are left out and listed: with --quick, as `strandbench "
+      "all` runs it,\n"
+      "those beyond 10,000 strands on few cores. `strandbench all --thorough`, or this without --quick, "
+      "includes them.\n"
+      "Exponents are fitted to the least times, by least squares of their logarithms. Steps of the runs of "
+      "the\n"
+      "threads axis, and of the lanes axis, are interleaved; the speedup is the ratio of the least times.\n"
       "Examples:\n"
       "  strandbench scaling --quick\n"
       "  strandbench scaling --axes lanes,threads");
-  app.add_option("--axes", o->axes, "some of strands, vertices, substeps, threads, lanes, grooms, readers")
+  app.add_option("--axes", o->axes,
+                 "axes to measure: strands, vertices, substeps, threads, lanes, grooms, readers")
       ->delimiter(',')
       ->check(CLI::IsMember(kAxes));
-  addBackend(app, o->backend, {"simd", "gpu", "reference"}, "what simulates; lanes and threads are of simd");
+  addBackend(app, o->backend, {"simd", "gpu", "reference"},
+             "backend that simulates; lanes and threads use simd");
   addScene(app, o->scene);
   addSeed(app, o->seed);
-  app.add_option("--strands", o->strands, "where they are not the axis; 0 = as above")
+  app.add_option("--strands", o->strands, "number of strands on other axes; 0 = as above")
       ->check(CLI::Range(0, 1000000));
-  app.add_option("--max-strands", o->max_strands, "of the axis strands")
+  app.add_option("--max-strands", o->max_strands, "largest value of the axis strands")
       ->check(CLI::Range(100, 1000000))
       ->capture_default_str();
-  addVertices(app, o->vertices, "per strand, where they are not the axis");
-  addSubsteps(app, o->substeps, "per step, where they are not the axis");
-  addThreads(app, o->threads, "where they are not the axis; 0 = all");
-  app.add_option(
-         "--budget", o->budget,
-         "s: sizes that would take longer, making the scene included, are left out; 300, with --quick 15")
+  addVertices(app, o->vertices, "vertices per strand on other axes");
+  addSubsteps(app, o->substeps, "substeps per step on other axes");
+  addThreads(app, o->threads, "threads on other axes; 0 = all");
+  app.add_option("--budget", o->budget,
+                 "time limit per size, s, including making the scene; larger sizes are left out; default "
+                 "300, with --quick 15")
       ->check(finiteRange(0.001, 1e6));
-  app.add_flag("--quick", o->quick, "fewer steps of each");
+  app.add_flag("--quick", o->quick, "fewer steps per size");
   addPrintOptions(app, o->print);
   return [o] { return scaling(*o); };
 }

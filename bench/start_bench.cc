@@ -1,4 +1,4 @@
-#include "bench/start_bench.h"
+#include "bench/verbs.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -36,16 +36,17 @@ struct StartOptions {
   PrintOptions print;
 };
 
-/// strandcastd, in the folder of this program, or beside it in a build.
+/// The path of strandcastd: in this program's folder, or in the sibling folder of a build.
 fs::path daemonOf(const StartOptions& o) {
   if (!o.daemon.empty()) return o.daemon;
   const fs::path here = fs::canonical("/proc/self/exe").parent_path();
   for (const fs::path& daemon : {here / "strandcastd", here / "../apps/strandcastd"})
     if (fs::exists(daemon)) return daemon;
-  throw Error("strandcastd is not beside this program", here.string(), "name it with --daemon");
+  throw Error("strandcastd is not in the folder of this program", here.string(),
+              "give its path with --daemon");
 }
 
-/// A program that runs until it is told to end.
+/// A child process; the destructor interrupts it and waits for its end.
 class Program {
  public:
   explicit Program(std::vector<std::string> words) : begun_(Clock::now()) {
@@ -57,7 +58,7 @@ class Program {
     posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     const int failed = posix_spawn(&pid_, words[0].c_str(), &quiet, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&quiet);
-    if (failed != 0) throw Error("a program cannot be started", words[0], "is it there?");
+    if (failed != 0) throw Error("the program cannot be started", words[0], "does the file exist?");
   }
   ~Program() {
     if (pid_ > 0) kill(pid_, SIGINT);
@@ -82,7 +83,7 @@ std::vector<std::string> wordsOf(const StartOptions& o) {
   return {daemonOf(o).string(), "--scene", o.scene, "--strands", std::to_string(o.strands), "--quiet"};
 }
 
-/// Until the first frame is in a log, which has no other daemons, and the program at its end.
+/// ms from exec to the end of a daemon that writes one frame to an LCM log, where it waits for no rivals.
 double loadingMs(const StartOptions& o) {
   const fs::path log = fs::temp_directory_path() / fmt::format("strandbench_start_{}.log", getpid());
   std::vector<std::string> words = wordsOf(o);
@@ -95,7 +96,7 @@ double loadingMs(const StartOptions& o) {
   return ms;
 }
 
-/// Until this process, which was there before, has the daemon's first frame.
+/// ms from exec until a subscriber that exists before has the daemon's first frame.
 double startMs(const StartOptions& o, bool claims) {
   const auto reader = makeDdsSubscriber({benchDomain(), 1, 0, {}});
   std::vector<std::string> words = wordsOf(o);
@@ -104,7 +105,7 @@ double startMs(const StartOptions& o, bool claims) {
   const Program daemon(words);
   constexpr std::chrono::seconds kFirstFrameWait{60};
   if (!reader->waitForFrame(0, kFirstFrameWait))
-    throw Error("no frame came", words[0], "does it run by itself?");
+    throw Error("no frame received", words[0], "does it run on its own?");
   return daemon.milliseconds();
 }
 
@@ -114,8 +115,8 @@ int start(const StartOptions& o) {
   Bench bench;
   bench.name = "start";
   bench.params = {{"scene", o.scene}, {"strands", o.strands}, {"starts", o.starts}};
-  bench.heading =
-      fmt::format("{} of {} strands: from exec to the first frame in another process\n", o.scene, o.strands);
+  bench.heading = fmt::format("{} of {} strands: time from exec to the first frame in another process\n",
+                              o.scene, o.strands);
   bench.table = Table({{"claim", "claim"},
                        {"starts", "starts"},
                        {"loading_ms", "loading ms", "{:.0f}"},
@@ -150,20 +151,20 @@ int start(const StartOptions& o) {
 std::function<int()> addStartBench(CLI::App& app) {
   const auto o = std::make_shared<StartOptions>();
   app.footer(
-      "Loading: the same program casting into an LCM log, where it listens for nobody, from exec to its end. "
-      "Ratio: the\n"
-      "start over the network to that. A daemon listens while it loads, so the ratio is near 1 where loading "
-      "takes\n"
-      "longer than listening (0.4 s; 0.8 s with --claim).\n"
+      "Loading: from exec to exit of the same program publishing into an LCM log, where it does not listen "
+      "for other\n"
+      "daemons. Ratio: the start over the network to loading. A daemon listens while it loads, so the ratio "
+      "is near 1\n"
+      "if loading takes longer than listening (0.4 s; 0.8 s with --claim).\n"
       "Examples:\n"
       "  strandbench start\n"
       "  strandbench start --scene curly --strands 5000 --starts 3");
   addScene(app, o->scene);
   addStrands(app, o->strands);
-  app.add_option("--starts", o->starts, "of each kind; the median counts")
+  app.add_option("--starts", o->starts, "starts of each kind; the table has medians")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--daemon", o->daemon, "strandcastd; by default the one beside this program");
+  app.add_option("--daemon", o->daemon, "path of strandcastd; default: in the folder of this program");
   addPrintOptions(app, o->print);
   return [o] { return start(*o); };
 }

@@ -1,4 +1,4 @@
-#include "bench/step_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -43,13 +43,13 @@ std::vector<RigidBody> bodiesOf(const StepOptions& o, const Scene& scene) {
     bakeField(scene.body, 0.002f, o.threads, field);
     return {{{field}, true, true}, {fivePrimitives(scene.head_pivot), true}};
   }
-  ContactPrimitive head;  // a sphere that hair lies on
+  ContactPrimitive head;  // a sphere that the hair lies on
   head.a = scene.head_pivot + Vec3(0, 0.08f, 0);
   head.radius = 0.06f;
   return {{{head}, true}};
 }
 
-// Every strand goes on as its first edge begins.
+// Makes every strand straight along its first edge.
 void straighten(StrandSet& strands) {
   for (size_t s = 0; s < strands.strands(); ++s) {
     const std::span<Vec3> points = strands.strand(s);
@@ -63,19 +63,19 @@ void straighten(StrandSet& strands) {
   }
 }
 
-/// What the hair of a row is made of.
+/// The kind of hair of a row.
 struct HairKind {
   const char *name, *help;
 };
 constexpr HairKind kHairKinds[] = {
-    {"plain", "edges and masses even, one material, the scene's damping"},
+    {"plain", "uniform edges and masses, one material, the scene's damping"},
     {"undamped", "the same without internal damping"},
     {"tapered", "plain, 0.4 x as thick at the tip"},
-    {"uneven", "plain, edges by turns 2/3 and 4/3 as long"},
+    {"uneven", "plain, edges alternately 2/3 and 4/3 as long"},
     {"curves", "plain, density, air drag, damping and friction falling to half from root to tip"},
 };
 
-// Every other vertex is drawn to the one before it.
+// Moves every other vertex towards the one before it, by a third of the edge.
 void makeUneven(StrandSet& strands) {
   for (size_t s = 0; s < strands.strands(); ++s) {
     const std::span<Vec3> points = strands.strand(s);
@@ -83,7 +83,7 @@ void makeUneven(StrandSet& strands) {
   }
 }
 
-/// The scene with such hair, and its parameters.
+/// The scene with the given kind of hair, and its parameters.
 Scene sceneOf(const Scene& plain, const std::string& hair) {
   Scene scene = plain;
   const RootTipCurve half{{{0.0f, 1.0f}, {1.0f, 0.5f}}};
@@ -101,16 +101,16 @@ Scene sceneOf(const Scene& plain, const std::string& hair) {
 std::unique_ptr<Backend> backendOf(const StepOptions& o, const std::string& name, SolverKind solver) {
   if (o.target.empty()) return createBackend(knownBackends(), name, o.threads, solver);
   if (name != "simd")
-    throw Error("only the simd backend has instruction sets", "--target " + o.target, "add --backend simd");
+    throw Error("--target applies only to the simd backend", "--target " + o.target, "add --backend simd");
   return makeSimdBackend(o.threads, o.target);
 }
 
-/// What of the machine's limits the step reached, into its row.
+/// Adds the fractions of the machine's measured limits that the step reached to its row.
 void addFractions(nlohmann::json& row, const StepOptions& o, const MeasuredRun& result, double operations) {
   const bool on_gpu = result.backend == "gpu";
-  // A GPU's step by its own clock, for the guides' way back to the processor is no part of its limits.
+  // A GPU's step is timed by its own clock, which excludes the read-back of guides.
   const double seconds = 1e-3 * result.gpu_ms.value_or(result.ms.median);
-  // Whatever the solver, a step reads and writes all positions and velocities once.
+  // The minimum traffic of any solver: a step reads and writes all positions and velocities once.
   const double bytes = 2 * 2 * sizeof(Vec3) * static_cast<double>(result.vertices);
   double peak = 0, copy = 0;  // per second
   if (on_gpu) {
@@ -121,7 +121,7 @@ void addFractions(nlohmann::json& row, const StepOptions& o, const MeasuredRun& 
     const int all = static_cast<int>(std::thread::hardware_concurrency());
     const int threads = result.backend == "reference" ? 1 : o.threads > 0 ? o.threads : all;
     copy = measuredCopy(threads);
-    // The peak is one of the widest vectors.
+    // The measured peak is that of the widest vectors.
     if (o.target.empty()) {
       peak = measuredPeak(threads);
       row["fraction_of_peak_cpu"] = operations / (1e-3 * result.cpu_ms.min) / measuredPeakOfProcessor();
@@ -134,7 +134,7 @@ void addFractions(nlohmann::json& row, const StepOptions& o, const MeasuredRun& 
               {"fraction_of_copy", bytes / seconds / copy}});
 }
 
-/// Adds the parts of a step to the table of operations.
+/// Adds the operation counts by part of the step to the table.
 void addParts(Table& parts, const std::string& backend, const std::string& hair,
               const OperationCount& operations) {
   for (int p = 0; p < kStepParts; ++p) {
@@ -148,7 +148,7 @@ void addParts(Table& parts, const std::string& backend, const std::string& hair,
   }
 }
 
-/// A row of the table; the parts of its step go into the other one.
+/// Measures one row; adds the parts of its step to `parts`.
 nlohmann::json run(const StepOptions& o, const Scene& plain, const std::string& hair, const std::string& name,
                    Table& parts) {
   const Scene scene = sceneOf(plain, hair);
@@ -161,14 +161,13 @@ nlohmann::json run(const StepOptions& o, const Scene& plain, const std::string& 
   const std::vector<RigidBody> bodies = bodiesOf(o, scene);
   const auto make = [&] {
     std::unique_ptr<Backend> backend = backendOf(o, name, parameters.solver);
-    std::unique_ptr<Surroundings> air =
-        o.air > 0 ? airOf(backend->name(), o.threads).surroundings({}) : nullptr;
+    std::unique_ptr<ExternalForces> air = o.air > 0 ? airOf(backend->name(), o.threads).make({}) : nullptr;
     return Simulation(sceneModel(scene), bodies, parameters, std::move(backend), std::move(air),
                       makeTreeBroadPhase());
   };
   TimedSimulation timed(make, benchMotion(scene, o.shake), o.steps);
   for (int step = 1; step < o.warmup; ++step) timed.step(false);
-  auto* passes = dynamic_cast<MeasuredPasses*>(timed.simulation().surroundings());
+  auto* passes = dynamic_cast<MeasuredPasses*>(timed.simulation().externalForces());
   if (passes != nullptr) passes->measure(false, o.steps);
   for (int step = 0; step < o.steps; ++step) timed.step(true);
   const MeasuredRun result = timed.result();
@@ -270,36 +269,39 @@ int step(const StepOptions& o) {
 std::function<int()> addStepBench(CLI::App& app) {
   const auto o = std::make_shared<StepOptions>();
   std::vector<std::string> hairs;
-  std::string hair_help = "what the hair is made of, a row each, by commas;";
+  std::string hair_help = "kinds of hair, one row each, separated by commas;";
   for (const HairKind& hair : kHairKinds) {
     hairs.emplace_back(hair.name);
     hair_help += fmt::format(" {}: {};", hair.name, hair.help);
   }
   hair_help.pop_back();
   app.footer(
-      "ms:      of a step and of reading its guides, by the wall.\n"
-      "cpu ms:  the same in processor time of all threads: what others on the machine take is not in it.\n"
-      "gpu ms:  of a step's dispatches alone, by the GPU's own clock.\n"
-      "         CSV and JSON also have what a GPU's step takes by the wall: submit_ms, giving its commands "
-      "and what\n"
-      "         it is told, and wait_ms, until its guides have been copied back.\n"
-      "B/vtx:   memory of the simulation on heap and GPU, over its vertices. On a GPU that is none "
-      "(llvmpipe)\n"
-      "         the compiled programs of the driver are part of it.\n"
+      "ms:      wall time of a step and of reading its guides.\n"
+      "cpu ms:  processor time of all threads of this process for the same, without other programs' load.\n"
+      "gpu ms:  time of a step's dispatches alone, by the GPU's clock.\n"
+      "         CSV and JSON also have the wall time of a GPU's step: submit_ms, submitting its commands "
+      "and\n"
+      "         uploads, and wait_ms, until its guides have been copied back.\n"
+      "B/vtx:   memory of the simulation on heap and GPU, per vertex. With a software driver (llvmpipe) it\n"
+      "         includes the driver's compiled programs.\n"
       "allocs:  calls of operator new during all timed steps.\n"
-      "of peak: the operations of the step, counted, against what the same threads reach with\n"
-      "         multiply-adds alone, measured (peak op/s); then the same of least processor times. A GPU's\n"
-      "         are of gpu ms where there is one, against what a shader with multiply-adds alone reaches.\n"
-      "of copy: the bytes that the step moves at least, all positions and velocities read and written once\n"
-      "         (B moved), against what the same threads, or the GPU, move when they copy memory (copy "
-      "B/s).\n"
-      "parts:   of --operations. rod: predict (inertial points, tangents, frames), twist (strains, the "
+      "of peak: the counted operations of the step, over the rate that the same threads reach with\n"
+      "         multiply-adds alone, measured (peak op/s); then the same for the least processor time. On a "
+      "GPU,\n"
+      "         gpu ms where available, over the rate of a shader with multiply-adds alone.\n"
+      "of copy: the least bytes that the step moves, all positions and velocities read and written once\n"
+      "         (B moved), over the rate at which the same threads, or the GPU, copy memory (copy B/s).\n"
+      "parts:   rows of --operations. rod: predict (inertial points, tangents, frames), twist (strains, "
       "twist\n"
-      "         system), bend (forces, the bending system eliminated), move (that substituted, lengths\n"
-      "         eliminated), pulls (lengths substituted; the pulls of violent strands), again (lengths once\n"
-      "         more, of those and of strands near bodies), velocities (exact lengths), contact, other "
-      "(once\n"
-      "         a step, and roots). gauss_seidel: bend is its angular sweeps, move distances and tethers.\n"
+      "         system), bend (forces, elimination of the bending system), move (its substitution, "
+      "elimination\n"
+      "         of the length system), pulls (tensions: lengths substituted; dense metric and stiff "
+      "tensions),\n"
+      "         again (second length pass, of strands in the dense metric or near bodies), velocities "
+      "(exact\n"
+      "         lengths), contact, other (once per step, and roots). gauss_seidel: bend is its angular "
+      "sweeps,\n"
+      "         move its distances and tethers.\n"
       "Examples:\n"
       "  strandbench step --backend all\n"
       "  strandbench step --bodies mesh --operations\n"
@@ -312,39 +314,37 @@ std::function<int()> addStepBench(CLI::App& app) {
       ->capture_default_str();
   addScene(app, o->scene);
   app.add_option("--rest", o->rest,
-                 "groom: hair at rest has the scene's shape; straight: it is straight, as its roots stand")
+                 "rest shape. groom: the scene's; straight: straight along the roots' directions")
       ->check(CLI::IsMember({"groom", "straight"}))
       ->capture_default_str();
   app.add_option("--hair", o->hair, hair_help)
       ->delimiter(',')
       ->check(CLI::IsMember(hairs))
       ->capture_default_str();
-  app.add_option("--shake", o->shake, "Hz, a head that is shaken so; 0 = the scene's own motion")
+  app.add_option("--shake", o->shake, "frequency at which the head is shaken, Hz; 0 = the scene's own motion")
       ->check(finiteRange(0.0, 10.0))
       ->capture_default_str();
-  app.add_option(
-         "--bodies", o->bodies,
-         "none; sphere: one with friction, in the head; scene: all of the scene's; mesh: the distance "
-         "field of the scene's body and five primitives")
+  app.add_option("--bodies", o->bodies,
+                 "bodies. none; sphere: one sphere with friction, in the head; scene: all bodies of the "
+                 "scene; mesh: the distance field of the scene's body and five primitives")
       ->check(CLI::IsMember({"none", "sphere", "scene", "mesh"}))
       ->capture_default_str();
   app.add_option("--air", o->air,
-                 "cells per axis of grids of wind and of forces between hairs, 16 to 128; 0 = none")
+                 "cells per axis of the grids of wind and of forces between hairs, 16 to 128; 0 = no grids")
       ->check(CLI::Range(0, 128))
       ->capture_default_str();
   addStrands(app, o->strands);
   addVertices(app, o->vertices);
   addSubsteps(app, o->substeps);
   app.add_option("--iterations", o->iterations)->check(CLI::Range(1, 64))->capture_default_str();
-  app.add_option("--damping", o->damping_time,
-                 "s, internal damping time of the rod; the scene's own if not given")
+  app.add_option("--damping", o->damping_time, "internal damping time of the rod, s; default: the scene's")
       ->check(finiteRange(0.0, 1.0));
   addThreads(app, o->threads);
   addSteps(app, o->steps);
-  app.add_flag(
-      "--operations", o->operations,
-      "also the floating-point operations of each part of the step, per vertex and substep, counted by "
-      "running the step's own text; of a GPU they are those that a CPU would take");
+  app.add_flag("--operations", o->operations,
+               "also print the floating-point operations of each part of the step, per vertex and substep, "
+               "counted by running the step's source with a counting number type; for a GPU they are the "
+               "operations of the CPU code");
   addSeed(app, o->seed);
   addPrintOptions(app, o->print);
   return [o] { return step(*o); };

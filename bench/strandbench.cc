@@ -1,5 +1,5 @@
-// strandbench VERB: how fast Strandcast is, and beside each time what was computed in it. Each verb has a
-// file of its own.
+// strandbench VERB: measures the performance of Strandcast, and reports the results of the computation beside
+// each time. Each verb has its own file.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -10,21 +10,10 @@
 
 #include "apps/console.h"
 #include "apps/wire_reader.h"
-#include "bench/accuracy.h"
-#include "bench/all_bench.h"
-#include "bench/contact_bench.h"
-#include "bench/end_to_end_bench.h"
-#include "bench/grid_bench.h"
-#include "bench/peers_bench.h"
 #include "bench/reader_process.h"
-#include "bench/report_verb.h"
-#include "bench/scaling_bench.h"
-#include "bench/start_bench.h"
-#include "bench/step_bench.h"
 #include "bench/table.h"
-#include "bench/wire_bench.h"
+#include "bench/verbs.h"
 #ifdef STRANDCAST_HAS_RENDER
-#include "bench/render_bench.h"
 #endif
 
 using namespace strandcast;
@@ -32,7 +21,7 @@ using namespace strandcast;
 int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("strandbench"));
   setCommand(argc, argv);
-  CLI::App app("strandbench measures Strandcast, and beside each time says what was computed in it.");
+  CLI::App app("strandbench measures Strandcast and prints with each time what was computed in it.");
   app.require_subcommand(1);
   std::vector<std::pair<CLI::App*, std::function<int()>>> verbs;
   const auto add = [&](const char* name, const char* about, std::function<int()> (*declare)(CLI::App&)) {
@@ -40,26 +29,26 @@ int main(int argc, char** argv) {
     verbs.emplace_back(verb, declare(*verb));
   };
   add("step", "time of a simulation step", addStepBench);
-  add("scaling", "how cost and memory grow with strands, vertices, substeps, threads, lanes, grooms, readers",
+  add("scaling",
+      "growth of cost and memory with strands, vertices, substeps, threads, lanes, grooms, readers",
       addScalingBench);
-  add("end-to-end", "latency from a motion of the head to hair that is grown in another process",
-      addEndToEndBench);
-  add("wire", "size, error and latency of what is cast, by codec", addWireBench);
-  add("start", "from a daemon's start to the first frame in another process, beside loading its scene",
+  add("end-to-end", "latency from a motion of the head to grown hair in another process", addEndToEndBench);
+  add("wire", "size, error and latency of published frames, by codec", addWireBench);
+  add("start", "time from a daemon's start to the first frame in another process, and of loading its scene",
       addStartBench);
-  add("peers", "cost and error beside Bullet's ropes and gauss_seidel", addPeersBench);
-  add("accuracy", "cost of the solvers' settings against their error", addAccuracy);
+  add("peers", "cost and error of the rod, gauss_seidel and Bullet's ropes", addPeersBench);
+  add("accuracy", "cost and error of the solvers' settings", addAccuracy);
   add("grid", "time of wind on a grid and of forces between hairs", addGridBench);
-  add("contact", "cost of hair on bodies against hair without, and of baking a body's field",
+  add("contact", "cost of hair with bodies against hair without, and of baking a body's field",
       addContactBench);
 #ifdef STRANDCAST_HAS_RENDER
-  add("render", "time of growing hair and of every pass of a picture", addRenderBench);
+  add("render", "time of growing hair and of each pass of a picture", addRenderBench);
 #endif
-  add("all", "all of these but accuracy and start, in under ten minutes, one table", addAllBench);
-  add("report", "docs/performance.md from the results that are kept", addReport);
-  add("reader", "the other process of scaling and end-to-end", addReader);
+  add("all", "all of these except accuracy and start, in under ten minutes, as one table", addAllBench);
+  add("report", "generate docs/performance.md from bench/results", addReport);
+  add("reader", "internal: the reading process of scaling and end-to-end", addReader);
   verbs.back().first->group("");
-  add("wire-reader", "the other process of wire", addWireReader);
+  add("wire-reader", "internal: the reading process of wire", addWireReader);
   verbs.back().first->group("");
   try {
     app.parse(argc, argv);

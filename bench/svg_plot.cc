@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kPanelWidth = 430, kPanelHeight = 380;  // of the axes' box, pixels
 constexpr double kLeft = 70, kTop = 36, kBetween = 44, kRight = kBetween;
-constexpr double kLabelSize = 11, kLabelAway = 6;  // of points; pixels from them
+constexpr double kLabelSize = 11, kLabelAway = 6;  // font size of point labels, and their distance from the
+                                                   // point, pixels
 constexpr double kBelow = 54, kLegendLine = 20, kLegendColumn = 220;
 
 std::string escaped(const std::string& text) {
@@ -53,7 +54,7 @@ std::string line(double x1, double y1, double x2, double y2, const std::string& 
 
 bool drawable(const PlotPoint& p) { return p.x > 0 && p.y > 0 && std::isfinite(p.x) && std::isfinite(p.y); }
 
-/// A logarithmic axis that begins and ends at 1, 2 or 5 times a power of ten, with those as its ticks.
+/// A logarithmic axis that begins and ends at 1, 2 or 5 times a power of ten and has its ticks there.
 class LogAxis {
  public:
   void include(double value) {
@@ -72,20 +73,20 @@ class LogAxis {
       }
   }
   const std::vector<double>& ticks() const { return ticks_; }
-  /// What is written beside a tick: over many decades only at powers of ten, or they would run together.
+  /// The label of a tick; over many decades only powers of ten have one, so that labels do not overlap.
   std::string label(double tick) const {
     const double power = std::log10(tick);
     const bool is_power = std::abs(power - std::round(power)) < 1e-6;
     return is_power || ticks_.back() / ticks_.front() < kManyDecades ? fmt::format("{:g}", tick) : "";
   }
-  /// 0 at the low end, 1 at the high end.
+  /// Position along the axis: 0 at the low end, 1 at the high end.
   double part(double value) const {
     return std::log(value / ticks_.front()) / std::log(ticks_.back() / ticks_.front());
   }
 
  private:
   static constexpr double kManyDecades = 3000;
-  static constexpr double kMargin = 1.3;  // keeps points and their labels inside
+  static constexpr double kMargin = 1.3;  // factor that keeps points and their labels inside
   double low_ = std::numeric_limits<double>::infinity(), high_ = 0;
   std::vector<double> ticks_;
 };

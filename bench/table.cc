@@ -181,9 +181,9 @@ CsvFile parseCsv(const std::string& text, const std::string& where) {
       continue;
     }
     if (cells.size() != out.columns.size())
-      throw Error(
-          fmt::format("a row has {} cells, the first line names {}", cells.size(), out.columns.size()),
-          fmt::format("{}:{}", where, number), "write the file again with strandbench --csv");
+      throw Error(fmt::format("a row has {} cells, but the header names {} columns", cells.size(),
+                              out.columns.size()),
+                  fmt::format("{}:{}", where, number), "write the file again with strandbench --csv");
     nlohmann::json row;
     for (size_t c = 0; c < cells.size(); ++c)
       row[out.columns[c]] =

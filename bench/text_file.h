@@ -4,9 +4,9 @@
 
 namespace strandcast {
 
-/// Empty where there is no such file.
+/// The content of a file; empty where there is no such file.
 std::string textOf(const std::filesystem::path& file);
-/// Throws Error.
+/// Writes a file. Throws Error.
 void writeText(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace strandcast

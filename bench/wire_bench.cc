@@ -1,4 +1,4 @@
-#include "bench/wire_bench.h"
+#include "bench/verbs.h"
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ bool has(const std::vector<T>& list, const T& value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
 
-/// What an experiment of the suite casts, of its name: "dds delta16 5000x32 60 Hz".
+/// The setting that an experiment's name describes: "dds delta16 5000x32 60 Hz".
 struct Cast {
   std::string transport, codec;
   int strands = 0, vertices = 0, rate = 0;
@@ -37,7 +37,7 @@ Cast castOf(const std::string& name) {
   Cast cast;
   const int read = std::sscanf(name.c_str(), "%31s %31s %dx%d %d Hz", transport, codec, &cast.strands,
                                &cast.vertices, &cast.rate);
-  if (read != 5) throw Error("this is no case of the wire suite", name, "");
+  if (read != 5) throw Error("this is not a case of the wire suite", name, "");
   cast.transport = transport;
   cast.codec = codec;
   return cast;
@@ -75,7 +75,7 @@ int wire(WireOptions o) {
       chosen.emplace_back(cast, &experiment);
   }
   if (chosen.empty())
-    throw Error("nothing is left to cast", "strandbench wire", "choose among those of --help");
+    throw Error("the options select no case", "strandbench wire", "choose values listed by --help");
   {
     ProgressBar bar;
     const Laboratory laboratory([] { return makeSimdBackend(); }, SolverKind::kRod);
@@ -109,21 +109,23 @@ int wire(WireOptions o) {
 std::function<int()> addWireBench(CLI::App& app) {
   const auto o = std::make_shared<WireOptions>();
   app.footer(
-      "The cases of `strandcast validate wire`, which also says what is promised of them. Latency: publish "
-      "to\n"
-      "decoded, between two processes; sends, reads: processor time of each of them, of one core.\n"
+      "Runs the cases of `strandcast validate wire`, which also checks their limits. Latency: from publish "
+      "to decoded,\n"
+      "between two processes; sends, reads: processor time of either process, in percent of one core.\n"
       "Examples:\n"
       "  strandbench wire --quick\n"
       "  strandbench wire --transports lcm --codecs tangent,delta16 --strands 5000 --rates 120");
-  app.add_option("--transports", o->transports, "dds, lcm")
+  app.add_option("--transports", o->transports, "transports: dds, lcm")
       ->delimiter(',')
       ->check(CLI::IsMember({"dds", "lcm"}));
-  app.add_option("--codecs", o->codecs, "by name; empty = all")->delimiter(',');
-  app.add_option("--strands", o->strands, "of 32 vertices: 1000, 5000, 20000")
+  app.add_option("--codecs", o->codecs, "codecs by name; empty = all")->delimiter(',');
+  app.add_option("--strands", o->strands, "numbers of strands of 32 vertices: 1000, 5000, 20000")
       ->delimiter(',')
       ->check(CLI::IsMember({1000, 5000, 20000}));
-  app.add_option("--rates", o->rates, "Hz: 60, 120")->delimiter(',')->check(CLI::IsMember({60, 120}));
-  app.add_flag("--quick", o->quick, "5,000 strands over DDS at 60 Hz alone");
+  app.add_option("--rates", o->rates, "frame rates, Hz: 60, 120")
+      ->delimiter(',')
+      ->check(CLI::IsMember({60, 120}));
+  app.add_flag("--quick", o->quick, "only 5,000 strands over DDS at 60 Hz");
   addPrintOptions(app, o->print);
   return [o] { return wire(*o); };
 }

@@ -1,6 +1,6 @@
-# strandcast_build_commit(TARGET): gives TARGET the function buildCommit() of bench/build_commit.h. The commit is asked for at
-# every build, but its file is written, and compiled, only when it has changed. "unknown" outside a git checkout; a trailing +
-# says that sources were changed since.
+# strandcast_build_commit(TARGET): adds the function buildCommit() of bench/build_commit.h to TARGET. Every build asks git for
+# the commit; the source file is rewritten and compiled only if it has changed. The function returns "unknown" outside a git
+# checkout; a trailing + means uncommitted changes.
 function(strandcast_build_commit target)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/build_commit.cc)
   add_custom_target(${target}_commit

@@ -1,4 +1,4 @@
-# Writes OUT with the commit of ROOT where it is not there yet. See BuildCommit.cmake.
+# Writes the source file OUT with the git commit of ROOT, unless OUT has it already. See BuildCommit.cmake.
 execute_process(COMMAND git -C ${ROOT} describe --always --abbrev=7 --dirty=+ --exclude=*
   OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 if(failed)

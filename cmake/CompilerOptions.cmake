@@ -1,32 +1,33 @@
-# Every target of the project links strandcast_options: warnings, sanitizers and the rounding rule; also -pthread and fmt, so
-# that all have the flags with which the common headers are precompiled.
+# Every target of the project links strandcast_options: warnings, sanitizers and the rounding rule. -pthread and fmt are there
+# too, because all targets need the flags with which the common headers are precompiled.
 add_library(strandcast_options INTERFACE)
 target_link_libraries(strandcast_options INTERFACE fmt::fmt)
 target_link_options(strandcast_options INTERFACE -pthread)
-# Of binutils' two linkers gold takes half the time, for a hundred programs that are linked anew whenever a room changes.
+# gold takes half the time of binutils' other linker. A change to one library relinks up to a hundred programs.
 include(CheckLinkerFlag)
 check_linker_flag(CXX -fuse-ld=gold STRANDCAST_HAS_GOLD)
 if(STRANDCAST_HAS_GOLD AND NOT STRANDCAST_FUZZ)
   target_link_options(strandcast_options INTERFACE -fuse-ld=gold)
 endif()
-# With a precompiled header GCC's heap is full from the start, and it would look for garbage again and again: 15 % of its time.
+# A precompiled header fills GCC's heap from the start; with the default minimum heap size, garbage collection takes 15 % of
+# the compile time.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(strandcast_options INTERFACE "SHELL:--param ggc-min-heapsize=800000")  # kB
 endif()
 target_compile_options(strandcast_options INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic
-  $<$<CXX_COMPILER_ID:Clang>:-Wno-overlength-strings>  # shaders are texts as long as they are
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-overlength-strings>  # embedded shaders are long string literals
   -pthread
-  -ffp-contract=off)   # fused multiply-adds are asked for by name (madd), so rounding is a choice
+  -ffp-contract=off)   # rounding rule: only madd() may fuse a multiply-add
 if(STRANDCAST_WERROR)
-  # GCC 12 is wrong about inlined strings, and says so once they come from a precompiled header.
+  # GCC 12 gives false warnings about inlined strings from a precompiled header.
   target_compile_options(strandcast_options INTERFACE -Werror
     $<$<CXX_COMPILER_ID:GNU>:-Wno-error=array-bounds -Wno-error=restrict -Wno-error=stringop-overflow>)
 endif()
 if(STRANDCAST_SANITIZE)
-  # A null pointer stops the program without a check; these checks, at every access, took half of the compiler's time, and those of
-  # every sum with a pointer, for wrapping around, an eighth of the rest: an access out of bounds is found without. The fuzz preset
-  # has them.
+  # Off: null, alignment, object-size and vptr checks at every access took half of the compile time, and a null pointer stops the
+  # program anyway. pointer-overflow took an eighth of the rest, and AddressSanitizer finds accesses out of bounds without it.
+  # The fuzz preset has all of them.
   target_compile_options(strandcast_options INTERFACE
     -fsanitize=${STRANDCAST_SANITIZE} -fno-sanitize=null,alignment,object-size,vptr,pointer-overflow -fno-omit-frame-pointer)
   target_link_options(strandcast_options INTERFACE -fsanitize=${STRANDCAST_SANITIZE})

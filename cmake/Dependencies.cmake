@@ -1,5 +1,5 @@
-# Everything comes from Debian's packages (./dev setup). GL, DDS, LCM, GLFW and Dear ImGui may be missing: that part is then switched off,
-# said so here, of GL, DDS and LCM in `strandcast info --backends` too, and the rest still builds.
+# All dependencies are Debian packages (./dev setup). GL, DDS, LCM, GLFW and Dear ImGui are optional: a part without its
+# dependency is switched off with a message here; `strandcast info --backends` also reports GL, DDS and LCM.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
@@ -25,11 +25,11 @@ if(NOT STRANDCAST_CLIENT)
   pkg_check_modules(EPOXY IMPORTED_TARGET epoxy)
   pkg_check_modules(EGL IMPORTED_TARGET egl)
   find_package(glfw3 QUIET)
-  pkg_check_modules(IMGUI IMPORTED_TARGET imgui)  # with its GLFW and OpenGL backends, of the window
-  find_package(CycloneDDS QUIET)  # for the tests alone
+  pkg_check_modules(IMGUI IMPORTED_TARGET imgui)  # with its GLFW and OpenGL backends, for the window
+  find_package(CycloneDDS QUIET)  # for tests only
   find_program(CYCLONE_IDLC idlc)
   find_package(benchmark QUIET)
-  pkg_check_modules(BULLET IMPORTED_TARGET bullet)  # a peer of the benchmarks, for them alone
+  pkg_check_modules(BULLET IMPORTED_TARGET bullet)  # for benchmarks only, which compare with it
   find_program(GLSLANG_VALIDATOR glslangValidator)
 endif()
 

@@ -1,11 +1,11 @@
-# strandcast_embed_shaders(TARGET HEADER SHADER...): writes HEADER (included as "<folder>/<HEADER>") with one string
-# constant per shader, its #include "..." lines replaced by the files they name, relative to the project's root. There is
-# no shader search at run time. With glslangValidator each shader is also checked by a test; a line
-# `// variants: A=1 B=2 | A=2` in a shader lists the #defines it is checked with.
+# strandcast_embed_shaders(TARGET HEADER SHADER...): generates HEADER (included as "<folder>/<HEADER>") with one string
+# constant per shader. #include "..." lines of shaders are replaced by the files, relative to the project's root, so that
+# there is no shader search at run time. If glslangValidator is installed, a test validates each shader. The line
+# `// variants: A=1 B=2 | A=2` of a shader lists the sets of #defines with which it is validated.
 function(strandcast_embed_shaders target header)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/embedded)
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-  file(GLOB kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*)
+  file(GLOB kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/gl/shaders/* ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*)
   add_custom_command(
     OUTPUT ${out}/${folder}/${header}
     COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DOUT=${out}/${folder}/${header} "-DSHADERS=${ARGN}"

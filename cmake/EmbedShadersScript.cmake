@@ -1,7 +1,8 @@
-# Expands the includes of SHADERS and writes them beside and into the header OUT. See EmbedShaders.cmake.
+# Expands the includes of SHADERS; writes each as a file beside the header OUT, and all as constants into OUT. See
+# EmbedShaders.cmake.
 function(expand file result)
   file(READ ${file} text)
-  # CMake lists would split at ; and [ ]: protect them while the text passes through.
+  # Replace semicolons meanwhile: CMake would split the text into a list there.
   string(REPLACE ";" "<SEMICOLON>" text "${text}")
   while(text MATCHES "#include \"([^\"\n]+)\"")
     set(name ${CMAKE_MATCH_1})

@@ -1,12 +1,12 @@
-# Programs and tests are not worth the compiler's time: loops that take time are in libraries. Under the thread sanitizer there are
-# two tests, which then take longer than their compilation.
+# Programs and tests are compiled with -Og to save compile time: time-critical loops are in libraries. Not under the thread
+# sanitizer, whose two tests then run longer than they compile.
 if(NOT STRANDCAST_SANITIZE STREQUAL "thread")
   set(STRANDCAST_PROGRAM_OPTIONS $<$<NOT:$<CONFIG:Debug>>:-Og>)
 endif()
 
-# strandcast_precompile(GROUP [HEADERS ...] [LINK ...] [OPTIONS ...]): parses HEADERS and what most files include once, for all
-# targets with the same flags to reuse. The debug preset does without, and compiles each file alone where other presets take
-# several of a target at once (half the compiler's time), so that a file that misses an include is found there.
+# strandcast_precompile(GROUP [HEADERS ...] [LINK ...] [OPTIONS ...]): precompiles HEADERS and the commonest headers once, for
+# all targets with the same flags. The debug preset has no precompiled headers and no unity builds (which halve the compile
+# time of other presets), so that it finds missing includes.
 function(strandcast_precompile group)
   cmake_parse_arguments(ARG "" "" "HEADERS;LINK;OPTIONS" ${ARGN})
   file(CONFIGURE OUTPUT ${group}.cc CONTENT "")
@@ -26,19 +26,20 @@ if(NOT STRANDCAST_CLIENT)
   strandcast_precompile(test_headers HEADERS <gtest/gtest.h> LINK GTest::gtest OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
 endif()
 
-# strandcast_highway(SOURCE ...): these compile themselves once per instruction set (Highway's foreach_target), so each must be
-# alone where files are compiled together.
+# strandcast_highway(SOURCE ...): excludes sources from unity builds, because they include themselves once per instruction set
+# (Highway's foreach_target).
 function(strandcast_highway)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# The preset asan has -fexpensive-optimizations: without it GCC leaves the upper halves of vectors in use behind code
-# of AVX, and what computes with single floats takes up to fifteen times as long from there on.
+# The asan preset has -fexpensive-optimizations: without it GCC omits vzeroupper after AVX code, and later scalar float code
+# takes up to fifteen times as long.
 #
-# strandcast_of_numbers(TARGET): the tests spend their time in it. Under the address sanitizer, whose preset has -Og (a
-# quarter less of the compiler's time), it is compiled with -O1, and with headers precompiled so: GCC takes the level from those.
-# And its local values are numbers by the thousand: the sanitizer does not watch where each of them goes out of scope, which takes a
-# quarter of the compiler's time, and of searches in trees of triangles three fifths. Without that GCC 12 is wrong of what may be uninitialised.
+# strandcast_of_numbers(TARGET): for libraries in which tests spend their time. The asan preset has -Og, which saves a quarter of
+# the compile time; under the address sanitizer these libraries get -O1 instead, with headers precompiled with -O1, because GCC
+# takes the level from those. They also get no use-after-scope checks: with their thousands of local numbers these take a quarter
+# of the compile time, and three fifths of the run time of searches in triangle trees. Without those checks GCC 12 gives false
+# maybe-uninitialized warnings.
 function(strandcast_of_numbers target)
   if(NOT STRANDCAST_SANITIZE MATCHES "address")
     return()
@@ -47,14 +48,14 @@ function(strandcast_of_numbers target)
   set_target_properties(${target} PROPERTIES PRECOMPILE_HEADERS_REUSE_FROM number_headers)
 endfunction()
 
-# strandcast_together(TARGET): sixteen of its files are compiled at once, not eight, as no two of them have the same name for
-# something of their own.
+# strandcast_together(TARGET): unity builds of sixteen files instead of eight. Precondition: no two files define the same local
+# name.
 function(strandcast_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
 endfunction()
 
-# strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [OF_PROGRAMS] [TOGETHER]): one library per folder, includes from
-# the project's root. OF_PROGRAMS: compiled as programs are. TOGETHER: see above.
+# strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [OF_PROGRAMS] [TOGETHER]): one library per folder, with includes
+# relative to the project's root. OF_PROGRAMS: compiled with the options of programs. TOGETHER: see strandcast_together().
 function(strandcast_library name)
   cmake_parse_arguments(ARG "OF_PROGRAMS;TOGETHER" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(strandcast_${name} STATIC ${ARG_SOURCES})
@@ -74,17 +75,18 @@ endfunction()
 
 include(GoogleTest)
 
-# strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...] [ENVIRONMENT A=b ...] [ON_NETWORK] [COMPILES_SHADERS cost]
-# [RUN_SERIAL] [FILTER pattern] [WHOLE]): a GoogleTest program. Each of its test cases is one entry of ctest, NAME.SUITE.CASE, found when ctest starts.
-# FILTER: only these cases, as of --gtest_filter.
-# WHOLE: one entry, NAME, for all cases, which share a set-up that takes longer than they do.
-# TIMEOUT: of one entry, 120 s by default; three times that with a sanitizer.
-# LABELS: "threads" marks what the thread sanitizer is run on; the target thread_tests builds all of those. The target quick_tests
-# builds, for the other sanitizers, all that are not labelled slow, gl (needs OpenGL), measures (benchmarks and validation),
-# programs or sources (reads the project's files alone). Every entry also has the label NAME.
-# ON_NETWORK: such entries run one at a time, before the others, because they mostly wait.
-# COMPILES_SHADERS: such entries run one at a time, the highest cost first: llvmpipe compiles programs of the rod for minutes, and
-# the next entry finds them in Mesa's cache on disk.
+# strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...] [ENVIRONMENT A=b ...] [FILTER pattern] [ON_NETWORK]
+# [COMPILES_SHADERS cost] [RUN_SERIAL] [WHOLE]): a GoogleTest program. Each test case is one entry of ctest, NAME.SUITE.CASE.
+# ctest finds the cases when it starts.
+# TIMEOUT: of one entry, 120 s by default; sanitizers triple it.
+# LABELS: "threads" runs under the thread sanitizer; the target thread_tests builds all of these. The target quick_tests, for the
+# other sanitizers, builds all tests without the labels slow, gl (needs OpenGL), measures (benchmarks and validation), programs
+# and sources (reads only the project's files). Every entry also has the label NAME.
+# FILTER: a --gtest_filter; other cases are no entries.
+# ON_NETWORK: entries run one at a time and start first, because they mostly wait.
+# COMPILES_SHADERS: llvmpipe compiles shaders of the rod for minutes. Entries run one at a time, highest cost first, so that later
+# ones find common shaders in Mesa's disk cache.
+# WHOLE: one entry, NAME, for all cases, because their common set-up takes longer than they do.
 function(strandcast_test name)
   cmake_parse_arguments(ARG "ON_NETWORK;RUN_SERIAL;WHOLE" "TIMEOUT;COMPILES_SHADERS;FILTER" "SOURCES;LINK;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -145,8 +147,8 @@ unset(cases)
   endif()
 endfunction()
 
-# strandcast_fuzzer(NAME SOURCES ... LINK ...): a libFuzzer program with the fuzz preset. tests/ runs the same entry
-# point over damaged files in every preset.
+# strandcast_fuzzer(NAME SOURCES ... LINK ...): a libFuzzer program, in the fuzz preset only. tests/ runs the same entry point
+# over damaged files in every preset.
 function(strandcast_fuzzer name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   if(STRANDCAST_FUZZ)

@@ -1,4 +1,4 @@
-# Runs glslangValidator on SHADER once per variant named in its `// variants:` line (or once as it is).
+# Runs glslangValidator on SHADER once per variant in its `// variants:` line, or once without #defines.
 file(READ ${SHADER} text)
 set(variants "")
 if(text MATCHES "// variants: ([^\n]+)")
@@ -18,8 +18,8 @@ foreach(variant IN LISTS variants)
       string(APPEND defines "#define ${word}\n")
     endforeach()
   endif()
-  # glslangValidator's own -D works only with linking, which wants every stage of a program: put the lines where the
-  # program puts them, after #version.
+  # glslangValidator's -D works only with linking, which needs every stage of a program. So insert the #defines after
+  # #version, as gl::Program does.
   string(REGEX REPLACE "(#version[^\n]*\n)" "\\1${defines}" with_defines "${text}")
   set(variant_file ${folder}/variant_${name})
   file(WRITE ${variant_file} "${with_defines}")

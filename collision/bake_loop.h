@@ -11,15 +11,16 @@
 
 namespace strandcast {
 
-/// Parallel loops beside which the calling thread tells progress and hears whether to go on.
+/// Parallel loops during which the calling thread reports progress and may be told to stop.
 class BakeLoop {
  public:
   explicit BakeLoop(int threads) : arena_(threads > 0 ? threads : oneapi::tbb::task_arena::automatic) {}
 
-  /// For bodies that take long: when true, return at once. What they leave behind is not used.
+  /// True once the loop is to stop. Long bodies should poll it and return at once; their results are then
+  /// discarded.
   const std::atomic<bool>& stopping() const { return stopping_; }
 
-  /// body(i) for i in [0, count), in any order. Progress goes from `from` to `to`.
+  /// Runs body(i) for i in [0, count), in any order. Progress goes from `from` to `to`. Throws BakeStopped.
   template <class Body>
   void run(size_t count, const BakeProgress& progress, const char* what, double from, double to, Body body) {
     bool stopped = false;
@@ -31,11 +32,11 @@ class BakeLoop {
     if (stopped) throw BakeStopped();
   }
 
-  /// Seconds that all `count` would take, from as many of them as can be done in a quarter of a second; when
-  /// not one can, so much for each.
+  /// Estimates the seconds that all `count` bodies take, from those that finish within a quarter of a second.
+  /// If none finishes, the elapsed time is the time of one body. Throws BakeStopped.
   template <class Body>
   double secondsFor(size_t count, const BakeProgress& progress, Body body) {
-    constexpr size_t kMost = 128, kStride = 53;  // strewn, so that those done first stand for all
+    constexpr size_t kMost = 128, kStride = 53;  // a stride that spreads the sample over all indices
     constexpr double kLongest = 0.25;
     const size_t tries = std::min(count, kMost);
     const auto start = Clock::now();
@@ -54,7 +55,8 @@ class BakeLoop {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Asks goOn(bodies done) now and then until all are done or it says no; returns how many are done.
+  /// Calls goOn(number of bodies done) every 20 ms until all are done or it returns false. Returns the number
+  /// done.
   template <class Body, class GoOn>
   size_t over(size_t count, const Body& body, GoOn goOn) {
     stopping_ = !goOn(0);

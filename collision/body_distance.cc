@@ -10,7 +10,7 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-/// Size of the winding number's gradient, 1/m: the Biot-Savart integral over straight edges.
+/// Magnitude of the winding number's gradient, 1/m: the Biot-Savart integral over straight edges.
 double windingSlope(const std::vector<OpenEdge>& edges, const Vec3& point) {
   Point sum = Point::Zero();
   for (const OpenEdge& edge : edges) {
@@ -21,7 +21,7 @@ double windingSlope(const std::vector<OpenEdge>& edges, const Vec3& point) {
   return sum.norm() / (4 * std::numbers::pi);
 }
 
-/// At least the slope anywhere in a ball: that of its centre and what it may change by on the way.
+/// Upper bound of windingSlope() in a ball: the slope at its centre plus the most that it can change.
 double mostSlope(const std::vector<OpenEdge>& edges, const Vec3& centre, float radius) {
   double change = 0;
   for (const OpenEdge& edge : edges) {
@@ -35,8 +35,9 @@ double mostSlope(const std::vector<OpenEdge>& edges, const Vec3& centre, float r
   return windingSlope(edges, centre) + change * double{radius} / (2 * std::numbers::pi);
 }
 
-// Farther than this from a half the winding number says nothing of a lid: about the rim of a hole, where it
-// turns by 1 in a full turn, the mesh is nearer then; about a rim that lies inside there is no lid.
+// Distance of the winding number from a half up to which a lid may be nearer than the mesh. Farther from a
+// half, around the rim of a hole, where the number changes by 1 in a full turn, the mesh is nearer. Around a
+// rim that lies inside there is no lid.
 constexpr double kLidWithin = 0.35;
 
 }  // namespace
@@ -56,11 +57,11 @@ BodyPoint BodyDistance::at(const Vec3& point, float distance) const {
 
 bool BodyDistance::clearOfLids(const Vec3& centre, float radius) const {
   if (open_edges_.empty()) return true;
-  // Through the mesh the number changes by whole numbers, else by no more than the slope allows.
+  // Through the mesh the number changes by integers, elsewhere by no more than the slope allows.
   const double winding = whole_.windingNumber(centre), slope = mostSlope(open_edges_, centre, radius);
   const double to_half = std::fabs(winding - std::floor(winding) - 0.5) - slope * double{radius};
-  const double reach =
-      double{outer_.distance(centre)} + double{radius};  // to the mesh, from anywhere in the ball
+  // Bound of the distance to the mesh from any point of the ball.
+  const double reach = double{outer_.distance(centre)} + double{radius};
   constexpr double kSeriesError = 0.01;
   return to_half - kSeriesError > std::min(kLidWithin, slope * reach);
 }
@@ -72,7 +73,8 @@ float DistanceWalk::start(const Vec3& place, bool clear_of_lids) {
 }
 
 float DistanceWalk::next(const Vec3& place, float step) {
-  const float reach = 1.02f * step;  // a cell may be only a hundred roundings of the coordinates
+  // Rounding: a cell may be only a hundred float roundings of the coordinates.
+  const float reach = 1.02f * step;
   const float before = to_mesh_;
   to_mesh_ = body_.toMesh(place, before + reach);
   if (clear_of_lids_ && std::max(before, to_mesh_) > reach) return signed_ = std::copysign(to_mesh_, signed_);

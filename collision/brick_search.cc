@@ -7,7 +7,7 @@
 namespace strandcast {
 namespace {
 
-/// Bricks of the grid, or cubes of 2^level of them.
+/// A cube of 2^level bricks per edge, clipped to the grid. Level 0: a brick.
 struct Cube {
   std::array<uint32_t, 3> at;
   uint32_t level;

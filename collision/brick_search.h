@@ -8,12 +8,12 @@
 
 namespace strandcast {
 
-/// In the index while bricks are looked for.
+/// Value of an index entry during the search: the brick is to be stored.
 constexpr uint32_t kCandidate = 0;
 
-/// The index with kCandidate where a brick may come nearer to the mesh than the band, else kOutsideBrick.
-/// Goes down from the whole grid in halves, so the work follows the surface and not the grid.
-/// `done` is what progress tells.
+/// Index of the grid with kCandidate for bricks that may come nearer to the mesh than the band, else
+/// kOutsideBrick. The grid is subdivided as an octree, so the work scales with the surface and not with the
+/// grid. `done`: value reported as progress.
 std::vector<uint32_t> findBricks(const FieldGrid& grid, const MeshQuery& query, BakeLoop& loop,
                                  const BakeProgress& progress, double done);
 

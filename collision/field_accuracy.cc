@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-/// Random places in the stored bricks of a field.
+/// Random points in the stored bricks of a field.
 class BandPlaces {
  public:
   explicit BandPlaces(const DistanceField& field) : grid_(field.grid) {
@@ -61,7 +61,7 @@ FieldAccuracy measureField(const DistanceField& field, const BodyDistance& body,
     if (exact.in_doubt) ++out.unclear;
     if (std::fabs(exact.signed_distance) > grid.cell && found.distance * exact.signed_distance < 0)
       ++out.wrong_side;
-    // Next to the surface the direction to it is lost in rounding.
+    // Very near the surface rounding spoils the direction to it.
     if (exact.to_lid || std::fabs(exact.signed_distance) < 0.01f * grid.cell) continue;
     const double side = exact.signed_distance < 0 ? -1 : 1;
     angles.push_back(

@@ -4,7 +4,7 @@
 
 namespace strandcast {
 
-/// Compares a field with the distance that it was baked from at `points` random places of its band.
+/// Compares a field with the exact distance of `body` at `points` random points of its band.
 FieldAccuracy measureField(const DistanceField& field, const BodyDistance& body, size_t points,
                            const BakeProgress& progress);
 

@@ -47,13 +47,13 @@ struct FieldBaker::Impl {
   double in_doubt = 0;
   FieldGrid grid{};
   BakeEstimate estimate;
-  size_t mesh_bytes = 0;                                               // of the mesh and its hierarchies
-  double seconds_hidden = 0, seconds_corners = 0, seconds_bricks = 0;  // of the estimate
-  std::vector<uint32_t> index;                                         // about the whole mesh
+  size_t mesh_bytes = 0;                                               // mesh and hierarchies
+  double seconds_hidden = 0, seconds_corners = 0, seconds_bricks = 0;  // parts of the estimate
+  std::vector<uint32_t> index;  // candidates with respect to the whole mesh
   std::optional<MeshQuery> whole;
-  std::optional<MeshQuery> outer;  // where it is not the whole
+  std::optional<MeshQuery> outer;  // empty if equal to `whole`
   size_t hidden = 0;
-  bool parted = false;  // whether `outer` and `hidden` are known
+  bool parted = false;  // `outer` and `hidden` are computed
 
   Impl(const TriangleMesh& given, const FieldOptions& wanted, const BakeLimits& within)
       : options(resolveFieldOptions(given, wanted)), limits(within), loop(within.threads) {
@@ -76,7 +76,7 @@ struct FieldBaker::Impl {
 
   void prepare(const BakeProgress& progress) {
     const size_t given = mesh.triangles.size();
-    // Two hierarchies: of the whole mesh and of the surface that bounds the outside.
+    // Two hierarchies: of the whole mesh, and of the surface that bounds the outside.
     mesh_bytes = 2 * MeshQuery::bytes(given) +
                  given * (sizeof(mesh.triangles[0]) + sizeof(std::vector<Corners>)) +
                  mesh.positions.size() * sizeof(Vec3);
@@ -99,7 +99,7 @@ struct FieldBaker::Impl {
     estimate.field_bytes = sizeof(FieldGrid) +
                            sizeof(uint32_t) * (index.size() + found.size() * kBrickWords) +
                            sizeof(float) * corner_count;
-    // The field is there twice when it is packed and when it is written.
+    // Packing and writing need the field twice.
     estimate.working_bytes = mesh_bytes + estimate.field_bytes;
     require(estimate.working_bytes + estimate.field_bytes,
             fmt::format("{} bricks and the hierarchy", found.size()));
@@ -113,7 +113,7 @@ struct FieldBaker::Impl {
     estimate.seconds = seconds_hidden + seconds_corners + seconds_bricks;
   }
 
-  static constexpr float kAway = 0.01f;  // cells off the surface, where its sides are asked
+  static constexpr float kAway = 0.01f;  // distance in cells from the surface at which its sides are tested
 
   static void tell(const BakeProgress& progress, const char* what) {
     if (progress && !progress(what, 0)) throw BakeStopped();
@@ -127,10 +127,10 @@ struct FieldBaker::Impl {
     return strandcast::outerPieces(*whole, corners(t), 2 * options.cell, loop.stopping());
   }
 
-  /// Takes away what lies within the body: it would be a surface to distances and none to signs.
+  /// Removes what lies inside the body: it would count for distances but not for signs.
   void part(const BakeProgress& progress, double to) {
     if (parted) return;
-    std::vector<std::vector<Corners>> pieces(mesh.triangles.size());  // of those that are not whole
+    std::vector<std::vector<Corners>> pieces(mesh.triangles.size());  // of triangles not kept whole
     std::vector<uint8_t> whole_one(pieces.size());
     loop.run(pieces.size(), progress, "looking for hidden parts", 0, to, [&](size_t t) {
       std::vector<Corners> found = outerPieces(t);
@@ -168,7 +168,7 @@ struct FieldBaker::Impl {
     }
   }
 
-  /// Fills the words of a brick; returns the distance of the sample nearest to the surface, m.
+  /// Fills the words of a brick. Returns the smallest unsigned distance of its samples, m.
   float bakeBrick(uint32_t brick, uint32_t* words) const {
     const uint32_t x = brick % grid.bricks[0], y = brick / grid.bricks[0] % grid.bricks[1],
                    z = brick / grid.bricks[0] / grid.bricks[1];
@@ -181,7 +181,8 @@ struct FieldBaker::Impl {
     const bool brick_clear = distances.clearOfLids(centre, std::numbers::sqrt3_v<float> * half);
     DistanceWalk walk(distances);
     float nearest = std::numeric_limits<float>::infinity();
-    // To and fro, so that each sample is a neighbour of the one before; near a lid row by row.
+    // Boustrophedon order, so that successive samples are neighbours. Near a lid the walk restarts in each
+    // row.
     for (uint32_t n = 0; n < kBrickSamples && !loop.stopping(); ++n) {
       const uint32_t row = n / kBrickSide, k = row / kBrickSide;
       const uint32_t j = k % 2 == 0 ? row % kBrickSide : kBrickCells - row % kBrickSide;
@@ -225,7 +226,8 @@ struct FieldBaker::Impl {
     return field;
   }
 
-  /// The search knows the mesh alone. Lids are smooth, so the corners of bricks show them.
+  /// Adds bricks near lids: the search considers only the mesh. Lids are smooth, so the corners of bricks
+  /// detect them.
   void addLids(DistanceField& field) const {
     if (check.open_edges.empty()) return;
     const float reach = grid.band + 0.5f * std::numbers::sqrt3_v<float> * grid.cell * kBrickCells;
@@ -236,14 +238,14 @@ struct FieldBaker::Impl {
     });
   }
 
-  /// No surface passes through a brick beyond the band: its side is that of its corners.
+  /// Marks bricks beyond the band: no surface passes through them, so their sign is that of their corners.
   static void markFar(DistanceField& field) {
     forFarBricks(field, [](uint32_t& entry, const std::array<float, 8>& at) {
       if (std::accumulate(at.begin(), at.end(), 0.0f) < 0) entry = kInsideBrick;
     });
   }
 
-  /// act(its entry in the index, its corners) for every brick marked kOutsideBrick.
+  /// Calls act(entry of the index, distances at the corners) for each brick marked kOutsideBrick.
   template <class Act>
   static void forFarBricks(DistanceField& field, Act act) {
     const auto& [nx, ny, nz] = field.grid.bricks;
@@ -260,7 +262,7 @@ struct FieldBaker::Impl {
         }
   }
 
-  /// The search takes some bricks too many: those without a sample nearer than the band and a cell.
+  /// Drops superfluous bricks of the search: those without a sample nearer than the band plus a cell.
   static void keepNear(const std::vector<uint32_t>& found, const std::vector<float>& nearest,
                        DistanceField& field) {
     uint32_t kept = 0;

@@ -13,77 +13,82 @@
 
 namespace strandcast {
 
+/// Options of a bake; 0 means a default, see resolveFieldOptions().
 struct FieldOptions {
-  float hair_radius = 40e-6f;  ///< m, what `cell` and `band` follow from where they are 0
-  float cell = 0;              ///< m, edge of a cell; 0 = defaultFieldCell
-  float band = 0;              ///< m, how far from the surface bricks are stored; 0 = defaultFieldBand
-  /// m, that `band` follows from as well where it is more than `hair_radius`; the cell does not, as a body is
-  /// no coarser for thick hair.
+  float hair_radius = 40e-6f;  ///< m, determines `cell` and `band` if these are 0
+  float cell = 0;              ///< m, edge of a cell; 0: defaultFieldCell
+  float band = 0;  ///< m, distance from the surface within which bricks are stored; 0: defaultFieldBand
+  /// m, used instead of `hair_radius` for `band` if it is larger. `cell` does not depend on it: thick hair
+  /// does not need a coarser body.
   float thickest_hair = 0;
-  /// Whether triangles are wound as they should be already: then orientSurface does not look at them. Of
-  /// parts that were cut from an oriented mesh.
+  /// Whether the winding of triangles is already consistent, as in parts cut from an oriented mesh.
+  /// orientSurface is then skipped.
   bool is_oriented = false;
 };
 
-/// With a cell h the interpolant of the distance to a sphere of radius R is off by h^2 / 4R at most. The
-/// default makes that a quarter of the hair's radius where R is an eighth of the body's diagonal (m), about
-/// that of the head of a bust: sqrt(diagonal * radius / 8), 2 mm for hair of 40 um and 0.8 m. Never less than
-/// the hair's radius.
+/// Default cell, m. With a cell h the interpolated distance to a sphere of radius R has an error of at most
+/// h^2 / 4R. The default makes this a quarter of the hair's radius for R an eighth of
+/// the body's diagonal (m), about the radius of the head of a bust. The cell is then
+/// sqrt(diagonal * radius / 8): 2 mm for hair of 40 um and 0.8 m. Never less than the hair's radius.
 float defaultFieldCell(float hair_radius, float diagonal);
-/// Four cells and the (thickest) hair's radius: an interpolated value reaches two cells, a hair moves on
-/// between.
+/// Default band, m: four cells plus the (thickest) hair's radius. Interpolation reaches two cells, and a hair
+/// moves between queries.
 float defaultFieldBand(float hair_radius, float cell);
 
-/// The options with nothing left to choose, for this mesh. Throws Error as requireSoundMesh, when a number is
-/// out of range, when the cell is too fine for floats at the mesh's distance from the origin, and when the
-/// grid would have more than kMaxGridBricks bricks.
+/// Replaces defaults by values for this mesh. Throws Error as requireSoundMesh, when a number is out of
+/// range, when the cell is too fine for floats at the mesh's distance from the origin, and when the grid
+/// would have more than kMaxGridBricks bricks.
 FieldOptions resolveFieldOptions(const TriangleMesh& mesh, const FieldOptions& options);
 
-/// What the field depends on and nothing else: the mesh's positions and triangles as given, the resolved
-/// options and the version of the baking.
+/// Hash of everything that determines the field: the mesh's positions and triangles as given, the resolved
+/// options, and the version of the baking.
 uint64_t fieldKey(const TriangleMesh& mesh, const FieldOptions& resolved);
 
+/// Resource limits of a bake. They do not affect the field.
 struct BakeLimits {
-  int threads = 0;                        ///< 0 = all of the machine; the field does not depend on it
-  size_t memory_bytes = size_t{2} << 30;  ///< for working and for the field together
+  int threads = 0;                        ///< 0: all of the machine; does not affect the field
+  size_t memory_bytes = size_t{2} << 30;  ///< limit for working memory and field together
 };
 
-/// Called on the baking thread with what is being done and how much of all is done, 0 to 1; false stops it.
+/// Called on the thread that bakes, with the current activity and the share done, 0 to 1. Returning false
+/// stops the bake.
 using BakeProgress = std::function<bool(const std::string& what, double part)>;
-/// Thrown by what BakeProgress stopped.
+/// Thrown when BakeProgress returns false.
 struct BakeStopped : std::runtime_error {
   BakeStopped() : std::runtime_error("the bake was stopped") {}
 };
 
+/// Estimated cost of a bake.
 struct BakeEstimate {
-  size_t bricks = 0;         ///< to be stored at most, but for those about lids
-  size_t field_bytes = 0;    ///< of the field with as many bricks
-  size_t working_bytes = 0;  ///< besides, while baking and writing it
-  double seconds = 0;        ///< from a small sample, on this machine
+  size_t bricks = 0;         ///< upper bound of stored bricks, except those near lids
+  size_t field_bytes = 0;    ///< of the field with that many bricks
+  size_t working_bytes = 0;  ///< additional memory while baking and writing
+  double seconds = 0;        ///< extrapolated from a small sample, on this machine
 };
 
-/// How far a field is from the exact distance at random points of the band. At creases and medial axes the
-/// exact gradient jumps and the field's does not: there angles are large at any cell.
+/// Error of a field against the exact distance at random points of the band. At creases and medial axes the
+/// exact gradient jumps, and the interpolated one does not: angles are large there with any cell.
 struct FieldAccuracy {
   size_t points = 0;
   double worst = 0, rms = 0;                                ///< m, of the distance
   double median_angle = 0, p99_angle = 0, worst_angle = 0;  ///< degrees, of the gradient
-  size_t wrong_side = 0;  ///< points farther than a cell from the surface whose sign is wrong
-  size_t unclear = 0;     ///< points whose winding number is nearer to a half than to a whole number
+  size_t wrong_side = 0;  ///< points farther than a cell from the surface with the wrong sign
+  size_t unclear = 0;     ///< points whose winding number is nearer to a half than to an integer
 };
 
-/// Bakes the signed distance field of a mesh that may be open, may intersect itself and may have parts inside
-/// one another. Its triangles may be wound either way and be there twice (orientSurface). Distances are
-/// exact, to the surface that bounds the outside (FCL's hierarchy); the sign is that of the generalised
-/// winding number (Jacobson 2013; by the series of Barill 2018): inside where it is above a half in size.
-/// Where it passes a half over a hole of an open mesh the inside ends at a lid (BodyDistance). A sheet has
-/// outside on both sides.
+/// Bakes the signed distance field of a mesh. The mesh may be open, intersect itself and have parts inside
+/// one another; its triangles may be wound either way and be duplicated (orientSurface).
 ///
-/// Building it makes the hierarchy and finds the bricks, a small part of the work; the rest is `bake`.
-/// Neither the number of threads nor anything but mesh and options changes a bit of the field.
+/// Distances are exact, to the surface that bounds the outside (FCL's hierarchy). The sign is that of the
+/// generalised winding number (Jacobson 2013; evaluated by the series of Barill 2018): inside where its
+/// magnitude is above a half. Where the number passes a half over a hole of an open mesh, the inside ends at
+/// a lid (BodyDistance). A sheet has outside on both sides.
+///
+/// The constructor builds the hierarchy and finds the bricks, a small part of the work; bake() does the rest.
+/// The field is determined bit for bit by mesh and options, whatever the number of threads.
 class FieldBaker {
  public:
-  /// Throws Error as resolveFieldOptions does and when the bake would need more than the limit; BakeStopped.
+  /// Throws Error as resolveFieldOptions does, and when the bake would exceed the memory limit; BakeStopped.
   FieldBaker(const TriangleMesh& mesh, const FieldOptions& options, const BakeLimits& limits = {},
              const BakeProgress& progress = {});
   ~FieldBaker();
@@ -91,17 +96,19 @@ class FieldBaker {
   const FieldOptions& options() const;  ///< resolved
   const MeshCheck& mesh() const;        ///< of the oriented mesh
   const SurfaceRepair& repair() const;
-  /// Of the surface, 0 to 1: see shareInDoubt. 0 of a closed mesh.
+  /// Share of the surface with an uncertain inside-outside test, 0 to 1: see shareInDoubt in
+  /// surface_samples.h. 0 for a closed mesh.
   double shareInDoubt() const;
-  /// What to warn of: what was repaired, and where inside and outside stay in doubt. A line each, without the
-  /// mesh's name.
+  /// Warnings on repairs, and on where inside and outside stay uncertain. One line each, without the name of
+  /// the mesh.
   std::vector<std::string> warnings() const;
   const BakeEstimate& estimate() const;
 
+  /// Bakes the field. Throws Error when the memory limit is exceeded; BakeStopped.
   DistanceField bake(const BakeProgress& progress = {});
-  /// Triangles that have inside on both sides. Known after `bake` or `measure`.
+  /// Number of triangles with inside on both sides. Known after `bake` or `measure`.
   size_t hiddenTriangles() const;
-  /// Compares with the exact distance at `points` random places.
+  /// Compares the field with the exact distance at `points` random points.
   FieldAccuracy measure(const DistanceField& field, size_t points, const BakeProgress& progress = {});
 
  private:

@@ -3,10 +3,10 @@
 
 namespace strandcast {
 
-/// Box of the vertices that triangles use.
+/// Bounding box of the vertices that triangles use.
 Box usedBounds(const TriangleMesh& mesh);
 
-/// The grid about the mesh, at least the band away from it on every side. Throws Error when it is too large.
+/// Grid around the mesh with a margin of at least the band on each side. Throws Error when it is too large.
 FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved);
 
 }  // namespace strandcast

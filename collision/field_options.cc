@@ -21,7 +21,7 @@ void requireRange(float value, float low, float high, const char* what, const Tr
               fmt::format("give {:g} to {:g} m", low, high));
 }
 
-/// Raised with every change of baking that gives other fields.
+/// To be raised with each change of the baking that changes fields.
 constexpr uint32_t kBakingVersion = 2;
 
 }  // namespace
@@ -43,7 +43,7 @@ FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved) 
   FieldGrid grid{};
   grid.cell = resolved.cell;
   grid.band = resolved.band;
-  // The farthest samples of a brick whose nearest is within the band and a cell.
+  // Range of the samples: the farthest sample of a brick whose nearest one is within the band plus a cell.
   grid.quantum =
       (resolved.band + resolved.cell + std::numbers::sqrt3_v<float> * resolved.cell * kBrickCells) /
       std::numeric_limits<int16_t>::max();
@@ -52,7 +52,7 @@ FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved) 
   double corners = 1;
   for (int a = 0; a < 3; ++a) {
     const double low = box.min()[a], high = box.max()[a];
-    // A hundredth of a cell more than the band, so that rounding leaves the band.
+    // A hundredth of a cell more than the band, so that rounding does not reduce the band.
     const double bricks = std::ceil((high - low + 2 * (resolved.band + 0.01 * resolved.cell)) / edge);
     corners *= bricks + 1;
     if (corners > kMaxGridBricks) break;

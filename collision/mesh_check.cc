@@ -45,7 +45,7 @@ MeshCheck checkMesh(const TriangleMesh& mesh) {
   check.triangles = mesh.triangles.size();
   const std::vector<uint32_t> place = vertexPlaces(mesh.positions);
   struct Edge {
-    uint64_t places;  // the lower in the high half
+    uint64_t places;  // numbers of the two positions, the lower in the high half
     uint32_t from, to;
   };
   std::vector<Edge> edges;

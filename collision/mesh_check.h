@@ -7,27 +7,30 @@
 
 namespace strandcast {
 
-/// Throws Error, saying which and where: no triangles, a vertex that is not finite, an index out of range.
+/// Throws Error, with kind and location of the fault, on a mesh without triangles, a vertex that is not
+/// finite, or an index out of range.
 void requireSoundMesh(const TriangleMesh& mesh);
 
-/// For each vertex the number of its place: vertices with the same coordinates have the same.
+/// Per vertex, the number of its position. Vertices with equal coordinates share a number.
 std::vector<uint32_t> vertexPlaces(const std::vector<Vec3>& positions);
 
-/// An edge that has not as many triangles one way round as the other.
+/// An edge with unequal numbers of triangles in its two directions.
 struct OpenEdge {
   Vec3 from, to;
-  float excess;  ///< triangles that go from `from` to `to`, less those that go back; positive
+  float excess;  ///< triangles that go from `from` to `to`, minus those in the other direction; positive
 };
 
+/// Result of checkMesh().
 struct MeshCheck {
   size_t triangles = 0;
-  size_t without_area = 0;  ///< triangles whose corners lie on one line
-  /// Of a closed mesh none: then the winding number is whole everywhere, however the surface meets itself.
+  size_t without_area = 0;  ///< triangles with collinear corners
+  /// Empty for a closed mesh: then the winding number is an integer everywhere, even if the surface
+  /// intersects itself.
   std::vector<OpenEdge> open_edges;
 };
 
-/// Vertices in the same place count as one, so that seams of texture coordinates are no holes. Throws Error
-/// as requireSoundMesh.
+/// Finds open edges and degenerate triangles. Coincident vertices count as one, so that seams of texture
+/// coordinates are no holes. Throws Error as requireSoundMesh.
 MeshCheck checkMesh(const TriangleMesh& mesh);
 
 }  // namespace strandcast

@@ -19,8 +19,8 @@ namespace {
 
 using Point = Eigen::Vector3d;
 using Triangle = std::array<Point, 3>;
-using Tree = fcl::BVHModel<fcl::AABB<double>>;  // for points, boxes along the axes bound as tightly as OBBs
-                                                // at less cost
+// For points, axis-aligned boxes are as tight as OBBs and cheaper.
+using Tree = fcl::BVHModel<fcl::AABB<double>>;
 
 struct Closest {
   double squared = std::numeric_limits<double>::infinity();
@@ -42,8 +42,8 @@ Point closestOnEdge(const Triangle& t, int i, int j, const Point& p) {
   return barycentric;
 }
 
-// Barycentric coordinates of the point of a triangle nearest to p. A triangle without area is its three
-// edges.
+// Barycentric coordinates of the point of a triangle closest to p. A triangle without area is treated as its
+// three edges.
 Point closestOnTriangle(const Triangle& t, const Point& p) {
   const Point a = t[1] - t[0], b = t[2] - t[0], r = p - t[0];
   const Point normal = a.cross(b);
@@ -60,16 +60,16 @@ Point closestOnTriangle(const Triangle& t, const Point& p) {
   return best;
 }
 
-// Signed solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983).
+// Signed solid angle of a triangle as seen from the origin (Van Oosterom and Strackee 1983).
 double solidAngle(const Point& a, const Point& b, const Point& c) {
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
   return 2 * std::atan2(a.dot(b.cross(c)), denominator);
 }
 
-// A subtree from afar: the integral of (x - centre)^m times the normal over its surface, for m = 0, 1, 2: the
-// first three terms of the winding number's series (Barill et al. 2018, "Fast Winding Numbers for Soups and
-// Clouds", section 3).
+// Far-field moments of a subtree: the integrals of (x - centre)^m times the normal over its surface, for m =
+// 0, 1, 2. They give the first three terms of the winding number's series (Barill et al. 2018, "Fast Winding
+// Numbers for Soups and Clouds", section 3).
 struct Moments {
   Point centre = Point::Zero();  // area-weighted
   double area = 0;
@@ -90,7 +90,7 @@ Moments ofTriangle(const Triangle& t) {
   return m;
 }
 
-// The same moments about another centre, added to `sum`.
+// Adds the same moments about another centre to `sum`.
 void add(const Moments& part, Moments& sum) {
   const Point shift = part.centre - sum.centre;
   for (int k = 0; k < 3; ++k) {
@@ -112,13 +112,13 @@ Moments joined(const Moments& a, const Moments& b) {
 
 }  // namespace
 
-// What of the moments the series needs, kept per node.
+// The combinations of moments that the series needs, per node.
 struct FarField {
   Eigen::Vector3f centre, normal, linear;
   Eigen::Matrix<float, 6, 1> quadratic;  // xx yy zz xy xz yz
   Eigen::Matrix<float, 10, 1> cubic;     // xxx yyy zzz xxy xxz yyx yyz zzx zzy xyz
   float trace = 0;
-  float radius = 0;  // about the centre, holds the subtree
+  float radius = 0;  // of a ball about the centre that contains the subtree
 };
 
 namespace {
@@ -149,7 +149,7 @@ FarField farField(const Moments& m, double radius) {
   return f;
 }
 
-// Solid angle of a far subtree, d from the query to its centre.
+// Solid angle of a far subtree. `d`: vector from the query point to its centre.
 double farAngle(const FarField& f, const Eigen::Vector3f& d) {
   const float x = d.x(), y = d.y(), z = d.z();
   const float r2 = d.squaredNorm(), inverse2 = 1 / r2, inverse3 = inverse2 / std::sqrt(r2);
@@ -163,7 +163,8 @@ double farAngle(const FarField& f, const Eigen::Vector3f& d) {
   return inverse3 * (f.normal.dot(d) + f.trace - 3 * quadratic * inverse2 + order2 * inverse2);
 }
 
-// From this many radii away a subtree is replaced by its series; the tests hold the error below 1e-3.
+// Distance, in radii of a subtree, from which it is replaced by its series. Tests require an error below
+// 1e-3.
 constexpr float kFar = 2.5f;
 
 }  // namespace
@@ -210,7 +211,7 @@ struct MeshQuery::Impl {
     return m;
   }
 
-  // Solid angle of a subtree, 4 pi when it surrounds p.
+  // Solid angle of a subtree, 4 pi if it surrounds p.
   double angle(int node, const Point& p) const {
     const auto& bv = tree.getBV(node);
     if (bv.isLeaf()) {
@@ -249,7 +250,7 @@ MeshPoint MeshQuery::closest(const Vec3& point) const {
   Closest best;
   impl_->descend(0, p, best);
   MeshPoint out;
-  if (best.triangle < 0) return out;  // a query point that is not finite is near nothing
+  if (best.triangle < 0) return out;  // the query point is not finite
   out.triangle = static_cast<uint32_t>(best.triangle);
   out.position = place(impl_->corners(best.triangle), best.barycentric).cast<float>();
   out.barycentric = best.barycentric.cast<float>();
@@ -276,7 +277,7 @@ float MeshQuery::signedDistance(const Vec3& point) const {
 size_t MeshQuery::bytes(size_t triangles) {
   constexpr size_t kNode = sizeof(fcl::BVNode<fcl::AABB<double>>) + sizeof(FarField);
   constexpr size_t kTriangle = sizeof(fcl::Triangle) + sizeof(Point) / 2 + sizeof(unsigned);
-  return triangles * (2 * kNode + 2 * kTriangle);  // what it is made from is there twice
+  return triangles * (2 * kNode + 2 * kTriangle);  // input arrays exist twice while building
 }
 
 }  // namespace strandcast

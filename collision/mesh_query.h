@@ -7,15 +7,16 @@
 
 namespace strandcast {
 
+/// Closest point of a mesh.
 struct MeshPoint {
   Vec3 position = Vec3::Zero();  ///< m
   uint32_t triangle = 0;
-  Vec3 barycentric{1, 0, 0};
-  float distance = 0;  ///< m, unsigned
+  Vec3 barycentric{1, 0, 0};  ///< sums to 1
+  float distance = 0;         ///< m, unsigned
 };
 
-/// Closest points and insideness of a mesh; FCL's bounding volume hierarchy underneath. Thread-safe for
-/// queries.
+/// Closest points and winding numbers of a mesh, with FCL's bounding volume hierarchy. Queries are
+/// thread-safe.
 class MeshQuery {
  public:
   /// Keeps a copy of the mesh. Throws Error on an empty mesh, an index out of range or a vertex that is not
@@ -24,17 +25,18 @@ class MeshQuery {
   ~MeshQuery();
   MeshQuery(MeshQuery&&) noexcept;
 
+  /// Closest point of the mesh. A default MeshPoint if `point` is not finite.
   MeshPoint closest(const Vec3& point) const;
-  /// The distance alone, or `bound` where that is less: the same number sooner when a bound is known, as from
-  /// a neighbouring point.
+  /// The distance alone, m, or `bound` if that is less. A bound known from a neighbouring point makes the
+  /// query faster.
   float distance(const Vec3& point, float bound = std::numeric_limits<float>::infinity()) const;
-  /// Generalised winding number (Jacobson 2013): about 1 inside, 0 outside, in between near holes of an open
+  /// Generalised winding number (Jacobson 2013): about 1 inside, 0 outside, fractional near holes of an open
   /// mesh.
   float windingNumber(const Vec3& point) const;
-  /// Negative inside.
+  /// Distance in m, negative inside.
   float signedDistance(const Vec3& point) const;
 
-  /// Memory that making a query over so many triangles takes.
+  /// Bytes needed to make a query of so many triangles.
   static size_t bytes(size_t triangles);
 
  private:

@@ -25,8 +25,8 @@ class Cutter {
     if (stop_) return;
     const float edge = longestEdge(t);
     const bool small = edge <= resolution_;
-    // A large triangle is asked at a lattice no wider than the resolution, up to so many that cutting is
-    // cheaper.
+    // A large triangle is sampled on a lattice no coarser than the resolution, up to a size at which cutting
+    // is cheaper.
     const int divisions = std::clamp(static_cast<int>(std::ceil(edge / resolution_)), 1, kMostDivisions);
     int places = 0, outside = 0;
     for (int i = 0; i <= divisions; ++i)
@@ -46,8 +46,10 @@ class Cutter {
 
  private:
   static constexpr int kMostDivisions = 8;
-  static constexpr float kAway = 0.02f;    // of the resolution: how far from the surface is asked
-  static constexpr float kWithin = 0.95f;  // of the way from the centroid, so as not to ask on an edge
+  // Offset from the surface of the tested points, as a share of the resolution.
+  static constexpr float kAway = 0.02f;
+  // Contraction towards the centroid, to keep tested points off the edges.
+  static constexpr float kWithin = 0.95f;
 
   static Vec3 latticePlace(const Corners& t, int i, int j, int divisions) {
     const Vec3 centre = (t[0] + t[1] + t[2]) / 3;

@@ -13,12 +13,13 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kCoverSamples = 2000;  // what coverage is measured on
-constexpr size_t kSeeds = 2000;         // where candidate spheres touch the surface
-constexpr float kReach = 0.04f;  // of the mesh's diagonal: a place farther from every sphere is not covered
-constexpr float kTouch = 1e-4f;  // m: a place this near to a candidate adds no other
+constexpr size_t kCoverSamples = 2000;  // samples on which coverage is measured
+constexpr size_t kSeeds = 2000;         // points where candidate spheres touch the surface
+// Share of the mesh's diagonal: a point farther than this from all spheres is not covered.
+constexpr float kReach = 0.04f;
+constexpr float kTouch = 1e-4f;  // m: a point this near to a candidate adds no other candidate
 
-/// Signed; negative where the mesh is inside out.
+/// Proportional to the signed volume; negative if the mesh is inside out.
 double volumeOf(const TriangleMesh& mesh) {
   double volume = 0;
   for (const auto& [a, b, c] : mesh.triangles)
@@ -35,8 +36,9 @@ float gap(const Sphere& sphere, const Vec3& p) {
   return std::fabs((p - sphere.centre).norm() - sphere.radius);
 }
 
-// The largest sphere inside the mesh that touches it at `seed`: a ball is shrunk until nothing lies in it
-// (Ma, Bae, Choi 2012, "3D medial axis point approximation using nearest neighbors and the normal field").
+// The largest sphere inside the mesh that touches it at `seed`: a ball is shrunk until it contains no surface
+// point (Ma, Bae, Choi 2012, "3D medial axis point approximation using nearest neighbors and the normal
+// field").
 Sphere largestBall(const MeshQuery& query, const Vec3& seed, const Vec3& inward, float start) {
   float radius = start;
   Vec3 centre = seed + inward * radius;
@@ -55,7 +57,8 @@ Sphere largestBall(const MeshQuery& query, const Vec3& seed, const Vec3& inward,
   return {centre, query.closest(centre).distance};
 }
 
-// The mesh without what lies within it (teeth, eyes, overlapping parts): triangles with inside on both sides.
+// The mesh without internal parts (teeth, eyes, overlapping parts): triangles with inside on both sides are
+// removed.
 TriangleMesh outerSurface(const TriangleMesh& mesh) {
   const MeshQuery query(mesh);
   const float away = 1e-3f * mesh.bounds().diagonal().norm();
@@ -75,7 +78,7 @@ std::vector<Sphere> candidateSpheres(const TriangleMesh& mesh, const PrimitiveFi
   const MeshQuery query(mesh);
   const float start = 0.5f * mesh.bounds().sizes().maxCoeff();
   std::vector<Sphere> spheres;
-  const float inward = volumeOf(mesh) < 0 ? 1.0f : -1.0f;  // a mesh turned inside out is taken as it is meant
+  const float inward = volumeOf(mesh) < 0 ? 1.0f : -1.0f;  // an inside-out mesh keeps its inside
   for (const SurfaceSample& seed : sampleSurface(mesh, kSeeds)) {
     if (std::any_of(spheres.begin(), spheres.end(),
                     [&](const Sphere& s) { return gap(s, seed.position) < options.skin + kTouch; }))
@@ -88,11 +91,10 @@ std::vector<Sphere> candidateSpheres(const TriangleMesh& mesh, const PrimitiveFi
   return spheres;
 }
 
-// Whether the sphere leaves the mesh: through the hole of an open one, as its surface alone would not tell.
+// Whether the sphere protrudes through the hole of an open mesh, which closest points alone do not reveal.
 bool leaves(const MeshQuery& query, const Sphere& sphere) {
   constexpr int kPlaces = 200;
-  constexpr float kWithin =
-      0.6f;  // winding number; a little more than a half, for what lies between the places
+  constexpr float kWithin = 0.6f;  // winding number; somewhat above a half, for the space between the points
   for (int i = 0; i < kPlaces; ++i) {
     const float y = 1 - (2 * static_cast<float>(i) + 1) / kPlaces, ring = std::sqrt(1 - y * y);
     const float turn = 2.3999632f * static_cast<float>(i);
@@ -121,8 +123,8 @@ std::vector<ContactPrimitive> fitSpheres(const TriangleMesh& whole, const Primit
   const std::vector<SurfaceSample> samples = sampleSurface(mesh, kCoverSamples);
   std::vector<float> gaps(samples.size(), kReach * mesh.bounds().diagonal().norm());
 
-  // Greedy with a queue of stale gains: a gain only falls as spheres are added, so the first that is up to
-  // date and still on top is the best (Minoux 1978). Ties go to the first candidate.
+  // Lazy greedy selection: gains only decrease as spheres are added, so the first entry that is up to date
+  // and still on top is the best (Minoux 1978). Ties go to the first candidate.
   using Entry = std::pair<float, int64_t>;  // gain, minus the candidate's index
   std::priority_queue<Entry> queue;
   for (size_t i = 0; i < spheres.size(); ++i)

@@ -15,19 +15,19 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-/// What is known of a piece; signs are those of its first triangle's winding.
+/// Properties of a piece. Signs refer to the winding of its first triangle.
 struct Piece {
-  double area = 0, area_against = 0;  ///< m^2, of all its triangles, and of those wound against the first
-  Point middle = Point::Zero();       ///< m, of its open edges; of a closed piece one of its corners
-  double open_length = 0;             ///< m; 0 = it is closed
+  double area = 0, area_against = 0;  ///< m^2, of all triangles, and of those wound against the first
+  Point middle = Point::Zero();       ///< m, centre of the open edges; of a closed piece, one of its corners
+  double open_length = 0;             ///< m; 0: closed
   size_t triangles = 0, against = 0;
-  bool divides = true;  ///< every open edge has three triangles or more
+  bool divides = true;  ///< each open edge has three triangles or more
   double volume = 0;    ///< m^3
 
   bool isClosed() const { return !(open_length > 0); }
-  /// Whether it is to be wound as those that are against the first: that turns less of it.
+  /// Whether the majority by area is wound against the first triangle.
   bool isMostlyAgainst() const { return 2 * area_against > area; }
-  /// m^3, as most of it is wound; 0 where it is about flat and has no inside.
+  /// Volume with the winding of the majority, m^3; 0 if the piece is nearly flat and has no inside.
   double givenVolume() const {
     const double flat = (isClosed() ? 1e-9 : 3e-3) * std::pow(area, 1.5);
     if (!(std::fabs(volume) > flat)) return 0;
@@ -35,7 +35,7 @@ struct Piece {
   }
 };
 
-/// What becomes of a piece.
+/// Decision on a piece.
 enum class Verdict : uint8_t { kStays, kIsTurned, kIsHollow, kIsLeftOut };
 
 class Orienter {
@@ -88,9 +88,9 @@ class Orienter {
     }
   }
 
-  /// Edges that a piece has not as often one way as the other.
+  /// Accumulates edges that a piece has unequally often in their two directions.
   void addOpenEdges() {
-    std::vector<std::pair<uint32_t, int>> excess;  // of the pieces at an edge
+    std::vector<std::pair<uint32_t, int>> excess;  // per piece at the edge
     forEachEdge(surface_.edges(), [&](std::span<const EdgeUse> uses) {
       excess.clear();
       for (const EdgeUse& use : uses) {
@@ -134,14 +134,14 @@ class Orienter {
     }
   }
 
-  /// Whether the piece, as most of it is wound, is against the rest.
+  /// Whether the piece, with the winding of its majority, is wound against the rest.
   bool isAgainstTheRest(const Piece& piece) const {
     return is_inside_out_ ? piece.givenVolume() > 0 : piece.givenVolume() < 0;
   }
 
   void judge() {
     verdicts_.assign(pieces_.size(), Verdict::kStays);
-    std::vector<uint32_t> unclear;  // of these it matters whether they lie within the others
+    std::vector<uint32_t> unclear;  // pieces for which it matters whether they lie inside the others
     for (uint32_t p = 0; p < pieces_.size(); ++p) {
       const Piece& piece = pieces_[p];
       if (isAgainstTheRest(piece)) verdicts_[p] = Verdict::kIsTurned;
@@ -149,7 +149,7 @@ class Orienter {
         unclear.push_back(p);
     }
     if (unclear.empty()) return;
-    // Of a soup the largest: the others stay as they are told above.
+    // Of a triangle soup only the largest pieces are examined; the others keep the verdicts above.
     constexpr size_t kMostUnclear = 4000, kSamplesOfAll = 100000, kSamplesOfOne = 100;
     std::stable_sort(unclear.begin(), unclear.end(),
                      [&](uint32_t a, uint32_t b) { return pieces_[a].area > pieces_[b].area; });
@@ -170,10 +170,10 @@ class Orienter {
 
   static constexpr double kNearlyAll = 0.95;
 
-  /// How much of a piece lies within the others.
+  /// How far a piece lies inside the others.
   struct Surrounded {
-    double wholly = 0;  ///< the share of its area
-    double mean = 0;    ///< winding number of the others
+    double wholly = 0;  ///< share of its area that lies inside
+    double mean = 0;    ///< mean winding number of the others, unsigned
   };
   static Surrounded surroundedBy(const MeshQuery& all, const TriangleMesh& piece, size_t count) {
     constexpr double kWithin = 0.75;
@@ -190,14 +190,14 @@ class Orienter {
     return {out.wholly / found, out.mean / found};
   }
 
-  /// Whether triangle t is to be turned for its piece to be as most of it is.
+  /// Whether triangle t must be reversed to match the majority of its piece.
   bool isTurnedInPiece(size_t t) const {
     return (surface_.against()[t] != 0) != pieces_[surface_.pieceOf()[t]].isMostlyAgainst();
   }
 
   static void turn(std::array<uint32_t, 3>& triangle) { std::swap(triangle[1], triangle[2]); }
 
-  /// All pieces, those that are against the rest turned.
+  /// All pieces, with those wound against the rest reversed.
   TriangleMesh outward() const {
     TriangleMesh out;
     out.positions = mesh_.positions;
@@ -268,7 +268,7 @@ std::vector<std::string> SurfaceRepair::lines() const {
     out.push_back(fmt::format("{} of {} pieces of the surface {} wound inside out, and {} turned",
                               turned_pieces, pieces, turned_pieces == 1 ? "is" : "are",
                               turned_pieces == 1 ? "is" : "are"));
-  if (is_inside_out && hollows > 0)  // an inverted hull about a body looks the same
+  if (is_inside_out && hollows > 0)  // an inverted hull around a body looks the same
     out.push_back(fmt::format(
         "the surface is inside out, and {} within it {} taken as hollow: hair goes in there; turn the outer "
         "surface, or leave it out",

@@ -14,14 +14,14 @@
 namespace strandcast {
 namespace {
 
-/// Sets of elements of which each knows whether it is against the set's first (a union-find with parity).
+/// Disjoint sets with parity: each element has a parity relative to the first of its set.
 class ParitySets {
  public:
   explicit ParitySets(size_t count) : parent_(count), against_(count, 0) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
-  /// The first of the element's set, and whether the element is against it.
+  /// The first element of the set, and the parity of `element` relative to it.
   std::pair<uint32_t, uint8_t> find(uint32_t element) {
     uint32_t first = element;
     uint8_t against = 0;
@@ -37,7 +37,7 @@ class ParitySets {
     return {first, found};
   }
 
-  /// Nothing where they are in one set already.
+  /// Joins two sets; no effect if they are one already.
   void join(uint32_t a, uint32_t b, bool opposed) {
     auto [first, of_a] = find(a);
     auto [second, of_b] = find(b);
@@ -49,12 +49,12 @@ class ParitySets {
 
  private:
   std::vector<uint32_t> parent_;
-  std::vector<uint8_t> against_;  // to the parent
+  std::vector<uint8_t> against_;  // relative to the parent
 };
 
-using SortedCorners = std::array<uint32_t, 3>;  // places, in rising order
+using SortedCorners = std::array<uint32_t, 3>;  // numbers of positions, ascending
 
-/// m: vertices of open edges within this are one.
+/// m. Vertices of open edges within this distance are merged.
 double weldingDistance(const TriangleMesh& mesh) {
   Box box;
   for (const auto& triangle : mesh.triangles)
@@ -65,7 +65,7 @@ double weldingDistance(const TriangleMesh& mesh) {
                   kRoundings * double{std::numeric_limits<float>::epsilon()} * farthest);
 }
 
-using Cell = std::array<int64_t, 3>;  // of a grid
+using Cell = std::array<int64_t, 3>;  // of a uniform grid
 
 uint64_t hashOf(const Cell& cell) {
   uint64_t hash = 0;
@@ -86,7 +86,7 @@ std::array<uint32_t, 2> SurfacePieces::endsOf(const TriangleMesh& mesh, const Ed
   return {t[c], t[(c + 1) % 3]};
 }
 
-/// EdgeUse::places.
+/// Key of an edge, see EdgeUse::places.
 uint64_t SurfacePieces::placesOf(uint32_t from, uint32_t to) const {
   const uint64_t a = place_[from], b = place_[to];
   return std::min(a, b) << 32 | std::max(a, b);
@@ -106,14 +106,14 @@ void SurfacePieces::gatherEdges(const TriangleMesh& mesh) {
   std::sort(edges_.begin(), edges_.end());
 }
 
-/// Whether any edge has three triangles or more.
+/// Whether an edge with three or more triangles exists.
 bool SurfacePieces::isCrowded() const {
   bool crowded = false;
   forEachEdge(edges_, [&](std::span<const EdgeUse> uses) { crowded = crowded || uses.size() > 2; });
   return crowded;
 }
 
-/// Whether the two triangles of an edge lie on one another.
+/// Whether the two triangles of an edge lie on top of each other.
 bool SurfacePieces::isFolded(const TriangleMesh& mesh, std::span<const EdgeUse> uses) const {
   constexpr double kFolded = 0.99;  // cosine
   std::array<Eigen::Vector3d, 2> away;
@@ -130,27 +130,27 @@ bool SurfacePieces::isFolded(const TriangleMesh& mesh, std::span<const EdgeUse> 
   return away[0].dot(away[1]) > kFolded * away[0].norm() * away[1].norm();
 }
 
-/// Whether any vertices became one.
+/// Merges nearby vertices of open edges. Returns whether any were merged.
 bool SurfacePieces::weldOpenEdges(const TriangleMesh& mesh) {
-  std::vector<uint8_t> is_open(place_.size(), 0);  // per place
+  std::vector<uint8_t> is_open(place_.size(), 0);  // per position
   bool any = false;
   const bool is_crowded = isCrowded();
   forEachEdge(edges_, [&](std::span<const EdgeUse> uses) {
-    // Of a surface that is there twice, an open edge has two triangles on one another.
+    // In a duplicated surface an open edge has two triangles that lie on top of each other.
     if (uses.size() != 1 && !(is_crowded && uses.size() == 2 && isFolded(mesh, uses))) return;
     is_open[uses[0].places >> 32] = is_open[uses[0].places & 0xFFFFFFFF] = 1;
     any = true;
   });
   if (!any) return false;
-  // Two places no farther apart than half a cell are in one cell of one of eight grids, each shifted by half
-  // a cell along some of the axes.
+  // Two points no farther apart than half a cell share a cell in one of eight grids, each shifted by half a
+  // cell along some of the axes.
   const double cell = 2 * weldingDistance(mesh);
   if (!(cell > 0)) return false;
   ParitySets same(place_.size());
-  std::vector<uint32_t> open;  // a vertex of each place
+  std::vector<uint32_t> open;  // one vertex per position
   for (uint32_t v = 0; v < place_.size(); ++v)
     if (std::exchange(is_open[place_[v]], uint8_t{0}) != 0) open.push_back(v);
-  std::vector<std::pair<uint64_t, uint32_t>> hashed;  // of a cell, and a vertex in it
+  std::vector<std::pair<uint64_t, uint32_t>> hashed;  // hash of a cell, and a vertex in it
   for (int grid = 0; grid < 8; ++grid) {
     const auto cellOf = [&](uint32_t v) {
       Cell at;
@@ -178,7 +178,8 @@ bool SurfacePieces::weldOpenEdges(const TriangleMesh& mesh) {
   return welded;
 }
 
-/// Triangles with the same three corners. `many`, per triangle: it stands for those that are left out.
+/// Finds triangles with the same three corners and marks all but one as repeated. `many`, per triangle: it
+/// represents others that are left out.
 bool SurfacePieces::findRepeatedTriangles(const TriangleMesh& mesh, std::vector<uint8_t>& many) {
   struct Known {
     SortedCorners corners;
@@ -210,8 +211,8 @@ bool SurfacePieces::findRepeatedTriangles(const TriangleMesh& mesh, std::vector<
   return any;
 }
 
-/// Polygons with the same edges that are divided along other diagonals, as a face and its reverse often are:
-/// discs without a vertex within, all of whose edges others have as well.
+/// Finds polygons with the same edges that are divided along different diagonals, as a face and its reverse
+/// often are. A polygon is a disc without inner vertices, all of whose edges other triangles use as well.
 bool SurfacePieces::findRepeatedPolygons(const TriangleMesh& mesh, std::vector<uint8_t>& many) {
   const size_t triangles = mesh.triangles.size();
   if (!isCrowded()) return false;
@@ -220,9 +221,9 @@ bool SurfacePieces::findRepeatedPolygons(const TriangleMesh& mesh, std::vector<u
   forEachEdge(edges_, [&](std::span<const EdgeUse> uses) {
     if (joins(uses)) sets.join(uses[0].triangle, uses[1].triangle, false);
   });
-  std::vector<std::pair<uint32_t, uint64_t>> rims;  // the first triangle of a set, and an edge about it
-  std::vector<uint32_t> sizes(triangles, 0);        // per first of a set, triangles
-  std::vector<uint8_t> is_polygon(triangles, 1);    // per first of a set
+  std::vector<std::pair<uint32_t, uint64_t>> rims;  // first triangle of a set, and an edge of its rim
+  std::vector<uint32_t> sizes(triangles, 0);        // per first triangle of a set: number of triangles
+  std::vector<uint8_t> is_polygon(triangles, 1);    // per first triangle of a set
   forEachEdge(edges_, [&](std::span<const EdgeUse> uses) {
     if (joins(uses)) return;
     for (const EdgeUse& use : uses) {
@@ -233,8 +234,8 @@ bool SurfacePieces::findRepeatedPolygons(const TriangleMesh& mesh, std::vector<u
   });
   for (uint32_t t = 0; t < triangles; ++t) ++sizes[sets.find(t).first];
   std::sort(rims.begin(), rims.end());
-  std::map<std::vector<uint64_t>, uint32_t> known;  // the edges about one -> the first of its set
-  std::vector<uint8_t> is_repeat(triangles, 0);     // per first of a set
+  std::map<std::vector<uint64_t>, uint32_t> known;  // rim -> first triangle of its set
+  std::vector<uint8_t> is_repeat(triangles, 0);     // per first triangle of a set
   for (size_t i = 0; i < rims.size();) {
     const uint32_t first = rims[i].first;
     std::vector<uint64_t> rim;
@@ -256,8 +257,8 @@ bool SurfacePieces::findRepeatedPolygons(const TriangleMesh& mesh, std::vector<u
   return any;
 }
 
-/// Of those that repeat each other one is to stay, or none: so that an even number of triangles is left at
-/// the edges about them. A wall between two closed bodies goes.
+/// Of duplicates one stays, or none, whichever leaves an even number of triangles at the surrounding edges. A
+/// wall between two closed bodies is removed.
 void SurfacePieces::leaveOutRepeats(const TriangleMesh& mesh) {
   const size_t triangles = mesh.triangles.size();
   std::vector<uint8_t> stands_for_many(triangles, 0);
@@ -272,7 +273,8 @@ void SurfacePieces::leaveOutRepeats(const TriangleMesh& mesh) {
     if (uses.size() == 2 && many(uses[0]) && many(uses[1]))
       walls.join(uses[0].triangle, uses[1].triangle, false);
   });
-  std::vector<int> needed(triangles, 0);  // per first of a wall: edges that need it, less the others
+  // Per first triangle of a wall: edges that need the wall, minus the others.
+  std::vector<int> needed(triangles, 0);
   forEachEdge(edges_, [&](std::span<const EdgeUse> uses) {
     const auto others = uses.size() - static_cast<size_t>(std::count_if(uses.begin(), uses.end(), many));
     if (others == 0) return;
@@ -290,8 +292,7 @@ void SurfacePieces::leaveOutRepeats(const TriangleMesh& mesh) {
 
 void SurfacePieces::join(size_t triangles) {
   ParitySets sets(triangles);
-  // First those that are wound alike already, so that where a surface has only one side the mesh as it is
-  // wound stays.
+  // Consistently wound neighbours first, so that a one-sided surface keeps the winding of the mesh.
   for (const bool opposed : {false, true})
     forEachEdge(edges_, [&](std::span<const EdgeUse> uses) {
       if (uses.size() == 2 && (uses[0].is_forward == uses[1].is_forward) == opposed)

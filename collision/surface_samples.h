@@ -6,18 +6,19 @@
 
 namespace strandcast {
 
+/// A point of a surface with its normal.
 struct SurfaceSample {
   Vec3 position;  ///< m
   Vec3 normal;    ///< unit length, of its triangle
 };
 
-/// `count` places spread over the surface by area, fewer where triangles have no area; the barycentric
-/// coordinates follow a golden-ratio sequence. Each stands for the same area.
+/// `count` points distributed over the surface by area, fewer if triangles have no area. Barycentric
+/// coordinates follow a golden-ratio sequence. Each point represents the same area.
 std::vector<SurfaceSample> sampleSurface(const TriangleMesh& mesh, size_t count);
 
-/// The share, 0 to 1, of the surface of `mesh` on one side of which, a `step` (m) away, it is in doubt
-/// whether there is inside: the winding number's size is nearer to a half than to a whole number of either
-/// side.
+/// Share, 0 to 1, of the surface of `mesh` where the inside-outside test is uncertain on one side, at a
+/// distance `step` (m). Uncertain: the magnitude of the winding number is nearer to a half than to an
+/// integer.
 double shareInDoubt(const TriangleMesh& mesh, const MeshQuery& query, float step);
 
 }  // namespace strandcast

@@ -8,7 +8,7 @@
 namespace strandcast {
 namespace {
 
-/// What FCL calls an object: here nothing but a box.
+/// An FCL collision object that only serves as a box.
 class BoxObject {
  public:
   explicit BoxObject(uint32_t index)
@@ -55,10 +55,10 @@ class TreeBroadPhase final : public BroadPhase {
  private:
   static bool note(fcl::CollisionObjectd* body, fcl::CollisionObjectd* /*query*/, void* list) {
     static_cast<std::vector<uint32_t>*>(list)->push_back(*static_cast<uint32_t*>(body->getUserData()));
-    return false;  // go on
+    return false;  // continue
   }
 
-  /// Boxes without an end would make the tree one of them: they stay out of it.
+  /// Updates the tree. Unbounded boxes stay outside: they would enlarge the tree's boxes without bound.
   void place(std::span<const Box> bodies) {
     bool same = bodies.size() == objects_.size();
     for (size_t i = 0; same && i < bodies.size(); ++i) same = endless(bodies[i]) == (objects_[i] == nullptr);
@@ -87,7 +87,7 @@ class TreeBroadPhase final : public BroadPhase {
 
   std::vector<std::unique_ptr<BoxObject>> objects_;  ///< one per body, null outside the tree
   std::vector<uint32_t> outside_;
-  fcl::DynamicAABBTreeCollisionManagerd tree_;  // goes before the objects that it knows
+  fcl::DynamicAABBTreeCollisionManagerd tree_;  // destroyed before the objects that it refers to
   BoxObject query_{0};
 };
 

@@ -3,7 +3,7 @@
 
 namespace strandcast {
 
-/// FCL's dynamic tree of boxes: for many bodies. Built when their number changes, refitted otherwise.
+/// FCL's dynamic AABB tree, for many bodies. Rebuilt when the number of bodies changes, refitted otherwise.
 std::unique_ptr<BroadPhase> makeTreeBroadPhase();
 
 }  // namespace strandcast

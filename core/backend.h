@@ -13,27 +13,28 @@
 
 namespace strandcast {
 
-/// What one step is given. All spans live until step() returns. Places are world ones less an origin that is
-/// the caller's business and the same as in the state: see Simulation::origin().
+/// Input of one step. All spans must live until step() returns. Positions are relative to an origin that the
+/// caller chooses; it must be the same as that of the state (see Simulation::origin()).
 struct StepInput {
   const Parameters* parameters = nullptr;
-  /// Poses of StrandModel::bones at the start and the end of the step; empty = all are at the origin, as in
-  /// the groom's frame. Roots and pinned vertices ride on them and go straight from one place to the
-  /// other, root frames turn as interpolateRotation() of kernels/rotation.h says.
+  /// Poses of StrandModel::bones at the start and the end of the step; empty = all at identity, as in the
+  /// groom's frame. Roots and pinned vertices move linearly between the two; root frames turn as
+  /// interpolateRotation() of kernels/rotation.h does.
   std::span<const Pose> bones_begin{}, bones_end{};
   std::span<const MovingPrimitive> primitives{};  ///< any number
-  /// m/s^2 per vertex, natural order, on top of gravity and constant over the step; may be empty. See
-  /// core/surroundings.h. Only for backends that take them.
+  /// m/s^2 per vertex, natural order, added to gravity and constant over the step; empty = none. See
+  /// core/external_forces.h. Only for backends with takesAccelerations().
   std::span<const Vec3> accelerations{};
-  const ShapeData* shapes = nullptr;    ///< of the primitives; may be null where none is convex or a field
-  const NearBodyLists* near = nullptr;  ///< of the primitives; null = any strand may touch any of them
+  const ShapeData* shapes = nullptr;  ///< words of the primitives; may be null if none is convex or a field
+  const NearBodyLists* near =
+      nullptr;  ///< result of the broad phase; null = any strand may touch any primitive
 
   Pose boneAtBegin(size_t bone) const { return bones_begin.empty() ? Pose{} : bones_begin[bone]; }
   Pose boneAtEnd(size_t bone) const { return bones_end.empty() ? Pose{} : bones_end[bone]; }
 };
 
-/// Simulates the strands of one model. One implementation per way of computing; all keep the same state and
-/// give the same step to rounding. Not thread-safe: one caller at a time.
+/// Simulates the strands of one model. Every backend keeps the same state and computes the same step to
+/// rounding. Not thread-safe: one caller at a time.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -41,50 +42,52 @@ class Backend {
   virtual std::string name() const = 0;    ///< "reference", "simd" or "gpu"
   virtual std::string device() const = 0;  ///< e.g. "AVX3, 2 threads" or the GL renderer string
 
-  /// Takes a copy of what every step needs from `model` and sets the state. What only some need is copied
-  /// when it is: `model` is to stay as and where it is until the next load(), or the end. Throws Error when
-  /// it does not fit the device.
+  /// Copies from `model` what every step needs and sets the state. Other arrays are copied on demand: `model`
+  /// must stay alive, unchanged and at its address until the next load() or the backend's end. Throws Error
+  /// if it does not fit the device.
   virtual void load(const StrandModel& model, const StrandState& state) = 0;
-  /// Makes room for what steps with such settings need beyond that, and with bodies where there are some; to
-  /// be called before the first of them, or else that one makes it. Throws Error as load().
-  virtual void expect(const Parameters&, [[maybe_unused]] bool bodies) {}
-  /// Replaces the state: reset, teleport, tests.
+  /// Allocates what steps with these parameters need beyond load(), and contact memory if `bodies`. Call it
+  /// before the first such step, otherwise that step allocates. Throws Error as load() does.
+  virtual void prepare(const Parameters&, [[maybe_unused]] bool bodies) {}
+  /// Replaces the state: reset, teleport, origin rebasing, tests.
   virtual void upload(const StrandState& state) = 0;
   /// Copies the whole state out. Waits for pending steps.
   virtual void download(StrandState& state) = 0;
 
-  /// Advances by parameters.time_step. May return before the work is done. After expect() for these settings
-  /// it neither throws nor allocates.
+  /// Advances by parameters.time_step. May return before the work is done. Neither throws nor allocates after
+  /// prepare() for these parameters.
   virtual void step(const StepInput& input) = 0;
-  /// Positions after the newest step, natural order, valid until the next step(). Waits for it.
+  /// Positions after the newest step, m, natural order; valid until the next step(). Waits for pending steps.
   virtual std::span<const Vec3> guides() = 0;
 
-  /// Whether step() heeds StepInput::accelerations and velocities() may be asked.
+  /// Whether step() applies StepInput::accelerations and velocities() is available.
   virtual bool takesAccelerations() const { return false; }
-  /// Makes room for them: to be called before the first step that has some.
-  virtual void expectAccelerations() {}
-  /// Velocities after the newest step, natural order, m/s; valid until the next step().
+  /// Allocates memory for accelerations. Call it before the first step that has some.
+  virtual void prepareAccelerations() {}
+  /// Velocities after the newest step, m/s, natural order; valid until the next step(). Empty if the backend
+  /// takes no accelerations.
   virtual std::span<const Vec3> velocities() { return {}; }
 
-  /// How long a GPU worked on the newest step whose time is known, s, transfers aside. None on a CPU or where
-  /// the driver does not measure. Never waits.
+  /// GPU time of the newest step whose measurement has arrived, s, without transfers. None on a CPU or if the
+  /// driver does not measure. Never waits.
   virtual std::optional<double> gpuSeconds() { return std::nullopt; }
 };
 
-/// A way of computing that this program knows of.
+/// A backend that this program has been built with.
 struct BackendInfo {
   std::string name;
   bool available = false;
-  std::string reason;  ///< the device when available, else why not and what to do
-  int score = 0;       ///< `auto` takes the highest available
+  std::string reason;  ///< the device if available, otherwise why not and the remedy
+  int score = 0;       ///< `auto` takes the highest available one
   std::function<std::unique_ptr<Backend>(int threads)> create;  ///< threads: 0 = all; may throw Error
-  std::vector<SolverKind> solvers{SolverKind::kRod};            ///< that it has
+  std::vector<SolverKind> solvers{SolverKind::kRod};            ///< that it implements
 };
 
-/// The reference backend: float, scalar, one thread. Simple enough to read; the others are held against it.
+/// The reference backend: float, scalar, one thread. Simple enough to read; tests compare the others with it.
 std::unique_ptr<Backend> makeReferenceBackend();
-/// The same text in double precision: the oracle of tests.
+/// The same source in double precision: the oracle of tests.
 std::unique_ptr<Backend> makeOracleBackend();
+/// Description of the reference backend for createBackend().
 BackendInfo referenceBackendInfo();
 
 }  // namespace strandcast

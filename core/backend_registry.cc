@@ -38,7 +38,7 @@ std::unique_ptr<Backend> createBackend(const std::vector<BackendInfo>& known, co
   for (const BackendInfo* info : best) {
     try {
       return info->create(threads);
-    } catch (const Error&) {  // `auto` means: the best that works
+    } catch (const Error&) {  // `auto`: try the next backend
     }
   }
   throw Error("no backend can run", "backend auto", "see `strandcast info --backends`");

@@ -1,10 +1,9 @@
-// The step of a block of strands, with every solver. Included inside a namespace that has the lane vocabulary and the kernel
-// text.
-// The order matters.
+// The step of a block of strands, for every solver. Included inside a namespace that has the lane vocabulary and the
+// kernel text. The order of inclusion matters.
 // clang-format off
 #include "core/body_surface.inl"
 #include "core/strand_sweep.inl"
-#include "core/waiting_looks.inl"
+#include "core/contact_query_batch.inl"
 #include "core/near_bodies.inl"
 #include "core/grooming.inl"
 #include "core/gauss_seidel_sweep.inl"

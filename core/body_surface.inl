@@ -1,12 +1,12 @@
-// How far points are from the surface of a body in a substep, over any lane type: included inside a namespace that has the
-// lane vocabulary and the kernel text.
+// Distances of points from the surface of a body in a substep, over any lane type. Included inside a namespace that has
+// the lane vocabulary and the kernel text.
 
 inline real3 fill3(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
 inline quat fill4(const float* v) { return {lit(v[0]), lit(v[1]), lit(v[2]), lit(v[3])}; }
 
 inline real3 spread(const Scalar (&v)[3]) { return {lit(v[0]), lit(v[1]), lit(v[2])}; }
 inline quat spread(const Scalar (&v)[4]) { return {lit(v[0]), lit(v[1]), lit(v[2]), lit(v[3])}; }
-// Of lanes that are all the same.
+// Value of lanes that are all equal.
 inline Scalar one(const real& v) {
   alignas(64) Scalar lanes[kLanes];
   store(v, lanes);
@@ -18,22 +18,22 @@ inline void keep(const real3& v, Scalar (&out)[3]) {
   out[2] = one(v.z);
 }
 
-// A body at the end of a substep, one for all lanes; `time` is the part of the step that has passed then, 0 to 1.
+// A primitive at the end of a substep, the same for all lanes. `time`: fraction of the step that has passed, 0 to 1.
 struct SubstepBody {
   PrimitiveKind kind;
   Scalar a[3], b[3];      // m
-  Scalar a_motion[3];     // m, over the substep
-  Scalar turn[3];         // radians, over the substep, about a
+  Scalar a_motion[3];     // m, displacement of a over the substep
+  Scalar turn[3];         // radians, rotation vector over the substep, about a
   Scalar radius, radius_b, extent[3];
-  Scalar rotation[4];     // of kinds that have one
-  Scalar middle[3];       // of a ball around it and what it presses; not of planes
-  Scalar ball;            // m: that ball's radius
-  const uint32_t* words;  // of all shapes
-  uint32_t data, extra;   // its own in them
-  Scalar time, part;      // of the step: what has passed, and what the substep is
+  Scalar rotation[4];     // x y z w; only of kinds that rotate
+  Scalar middle[3];       // m, centre of the bounding ball; not of planes
+  Scalar ball;            // m, radius of the bounding ball, with the hair's radius
+  const uint32_t* words;  // ShapeData::words of all shapes
+  uint32_t data, extra;   // as in MovingPrimitive
+  Scalar time, part;      // fractions of the step: elapsed time, and the substep
   Scalar friction;
 };
-// `part`: of the step that a substep is; `substep`: s.
+// `time`, `part`: as in SubstepBody; `substep`: its duration, s.
 inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, double time, double part, double substep,
                           double hair_radius) {
   SubstepBody body;
@@ -67,11 +67,11 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
   return body;
 }
 
-// Where a body's surface is nearest to a point.
+// Surface of a body as seen from a point.
 struct SurfacePoint {
-  real distance;  // m, negative inside
-  real least;     // m, at most the distance, and more than it where the body does not act
-  real even;      // m: nearer to the point than this no normal is turned by 60 degrees from its own, 0 where not known
+  real distance;  // m, signed, negative inside
+  real least;     // m, lower bound of the true distance; beyond a field's band it may exceed `distance`, which is capped there
+  real even;      // m: within this distance of the point, no normal differs by 60 degrees from its own; 0 = unknown
   real3 normal;   // unit, out of the body
 };
 
@@ -92,93 +92,94 @@ inline void forLanes(const mask& lanes, const Work& work) {
   for (uint32_t left = laneBits(lanes); left != 0; left &= left - 1) work(std::countr_zero(left));
 }
 
-// A field at points, and which bricks these lie in.
-struct FieldLook {
+// Points in a distance field, and the bricks in which they lie.
+struct FieldLookup {
   FieldGrid grid;
   FieldPlace place;
-  word entries;  // of the index
-  real side;      // as of FieldCorners
+  word entries;  // entries of the brick index
+  real side;      // as FieldCorners::side
 };
-// Of `lanes`; the others lie in no brick, outside.
-inline FieldLook lookIntoField(const SubstepBody& body, const real3& x, const mask& lanes) {
-  FieldLook look;
-  std::memcpy(&look.grid, body.words + body.data, sizeof look.grid);
-  const FieldGrid& grid = look.grid;
-  look.place = fieldPlace(x, fill3(grid.origin), lit(grid.cell),
+// Only of `lanes`; the other lanes get an outside brick.
+inline FieldLookup sampleField(const SubstepBody& body, const real3& x, const mask& lanes) {
+  FieldLookup found;
+  std::memcpy(&found.grid, body.words + body.data, sizeof found.grid);
+  const FieldGrid& grid = found.grid;
+  found.place = fieldPlace(x, fill3(grid.origin), lit(grid.cell),
                           makeReal3(lit(grid.bricks[0]), lit(grid.bricks[1]), lit(grid.bricks[2])));
-  const word bricks = select(lanes, wordOf(look.place.brick), everywhere(0));
-  look.entries = select(lanes, wordAt(body.words + grid.index, bricks), everywhere(static_cast<int32_t>(kOutsideBrick)));
-  const real entry = realOf(look.entries);
-  look.side = select(entry >= lit(0), lit(0), select(entry > lit(-1.5), lit(1), lit(-1)));
-  return look;
+  const word bricks = select(lanes, toInt(found.place.brick), splat(0));
+  found.entries = select(lanes, wordAt(body.words + grid.index, bricks), splat(static_cast<int32_t>(kOutsideBrick)));
+  const real entry = realOf(found.entries);
+  found.side = select(entry >= lit(0), lit(0), select(entry > lit(-1.5), lit(1), lit(-1)));
+  return found;
 }
-// Where the samples of a stored brick start, in bytes behind the first one's.
-inline word firstByte(const word& entries) { return entries * everywhere(kBrickWords * sizeof(uint32_t)); }
+// Offset of the samples of a stored brick in bytes, from the field's first sample.
+inline word firstByte(const word& entries) { return entries * splat(kBrickWords * sizeof(uint32_t)); }
 
-// At most the distance, by what is stored at the nearest corner of the cell or, beyond the band, of the brick.
-inline real leastByCorner(const SubstepBody& body, const FieldLook& look, const mask& lanes) {
-  const FieldGrid& grid = look.grid;
-  const FieldPlace& place = look.place;
+// Lower bound of the distance, from the stored value at the nearest corner of the cell or, beyond the band, of the
+// brick.
+inline real leastByCorner(const SubstepBody& body, const FieldLookup& found, const mask& lanes) {
+  const FieldGrid& grid = found.grid;
+  const FieldPlace& place = found.place;
   const auto nearest = [](const real3& t) {
     const real half = lit(0.5);
     return makeReal3(floor(t.x + half), floor(t.y + half), floor(t.z + half));
   };
   const real3 in_cell = nearest(place.in_cell), in_brick = nearest(place.in_brick);
   const real side = lit(kBrickSide), row = lit(grid.bricks[0] + 1), slice = row * lit(grid.bricks[1] + 1);
-  const mask stored = abs(look.side) < lit(0.5);
+  const mask stored = abs(found.side) < lit(0.5);
   const real sample = madd(madd(in_cell.z, side, in_cell.y), side, place.first_sample + in_cell.x);
   const real corner = madd(in_brick.z, slice, madd(in_brick.y, row, place.corner + in_brick.x));
-  const word samples = select(lanes && stored, firstByte(look.entries) + wordOf(sample + sample), everywhere(0));
-  const word corners = select(lanes && !stored, wordOf(corner), everywhere(0));
+  const word samples = select(lanes && stored, firstByte(found.entries) + toInt(sample + sample), splat(0));
+  const word corners = select(lanes && !stored, toInt(corner), splat(0));
   const real value = select(stored, lit(grid.quantum) * lowHalves(wordAtByte(body.words + grid.samples, samples)),
                             floatOf(wordAt(body.words + grid.corners, corners)));
   const real3 away = place.in_cell - in_cell, far = (place.in_brick - in_brick) * lit(grid.cell * kBrickCells);
-  // The interpolant is off by the mean way to the corners, which is at most the root mean square.
+  // The interpolant deviates by at most the mean distance to the corners, which is at most the root mean square.
   const real in_band = lit(grid.cell) * sqrt(abs(away.x) + abs(away.y) + abs(away.z));
   return value - select(stored, in_band, length(far + place.outside));
 }
 
-// Of stored bricks, see firstEvenness().
+// Evenness of stored bricks, see firstEvenness().
 inline real evennessOf(const SubstepBody& body, const FieldGrid& grid, const word& bricks) {
   static_assert(kEvennessesPerWord == 16);
-  const word words = wordAt(body.words + firstEvenness(grid), shiftedDown(bricks, everywhere(4)));
-  const word place = bricks & everywhere(kEvennessesPerWord - 1);
-  return realOf(shiftedDown(words, place + place) & everywhere(3));
+  const word words = wordAt(body.words + firstEvenness(grid), shiftedDown(bricks, splat(4)));
+  const word place = bricks & splat(kEvennessesPerWord - 1);
+  return realOf(shiftedDown(words, place + place) & splat(3));
 }
 
-// `clear`: see fieldDistance. In a brick beyond the band the normal is zero.
+// `clear`: see fieldDistance(). In a brick beyond the band the normal is zero.
 inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, const real& clear, const mask& lanes) {
   SurfacePoint out;
-  const FieldLook look = lookIntoField(body, x, lanes);
-  const FieldGrid& grid = look.grid;
+  const FieldLookup found = sampleField(body, x, lanes);
+  const FieldGrid& grid = found.grid;
   const real3 none = makeReal3(lit(0), lit(0), lit(0));
   const real beyond = max(clear, lit(grid.band));
-  const mask outside = look.side > lit(0.5), away = lanes && outside;
+  const mask outside = found.side > lit(0.5), away = lanes && outside;
   out.even = lit(0);
   out.least = lit(grid.band);
-  if (anyTrue(away)) out.least = max(out.least, leastByCorner(body, look, away));
+  if (anyTrue(away)) out.least = max(out.least, leastByCorner(body, found, away));
   const mask near = lanes && !outside;
-  if (!anyTrue(near)) {  // nothing is pushed from here
+  if (!anyTrue(near)) {  // no lane is near enough for contact
     out.normal = none;
     out.distance = beyond;
     return out;
   }
-  const mask stored = near && look.side > lit(-0.5), inside = near && look.side < lit(-0.5);
-  const word brick = select(stored, look.entries, everywhere(0));
-  const bool any_stored = anyTrue(stored);  // else there may be no brick to read for other lanes
-  word pairs[4] = {everywhere(0), everywhere(0), everywhere(0), everywhere(0)};
-  if (any_stored) {  // samples that are neighbours along x share a word, which need not start where memory's do
-    const word cell = select(stored, wordOf(look.place.first_sample + look.place.first_sample), everywhere(0));
+  const mask stored = near && found.side > lit(-0.5), inside = near && found.side < lit(-0.5);
+  const word brick = select(stored, found.entries, splat(0));
+  const bool any_stored = anyTrue(stored);  // otherwise the field may have no brick to read for other lanes
+  word pairs[4] = {splat(0), splat(0), splat(0), splat(0)};
+  if (any_stored) {  // neighbouring samples along x are read as one unaligned word
+    const word cell = select(stored, toInt(found.place.first_sample + found.place.first_sample), splat(0));
     for (uint32_t c = 0; c < 4; ++c) {
       const uint32_t n = (c & 1) * kBrickSide + (c >> 1) * kBrickSide * kBrickSide;
-      pairs[c] = wordAtByte(body.words + grid.samples, firstByte(brick) + cell + everywhere(static_cast<int32_t>(2 * n)));
+      pairs[c] = wordAtByte(body.words + grid.samples, firstByte(brick) + cell + splat(static_cast<int32_t>(2 * n)));
     }
   }
   FieldCorners at{lowHalves(pairs[0]), highHalves(pairs[0]), lowHalves(pairs[1]), highHalves(pairs[1]),
-                  lowHalves(pairs[2]), highHalves(pairs[2]), lowHalves(pairs[3]), highHalves(pairs[3]), look.side};
+                  lowHalves(pairs[2]), highHalves(pairs[2]), lowHalves(pairs[3]), highHalves(pairs[3]), found.side};
   if (anyTrue(inside)) {
     const uint32_t row = grid.bricks[0] + 1, slice = row * (grid.bricks[1] + 1);
-    const word corner = select(inside, wordOf(look.place.corner), everywhere(0));
+    const word corner = select(inside, toInt(found.place.corner), splat(0));
     real* const values[8] = {&at.v000, &at.v100, &at.v010, &at.v110, &at.v001, &at.v101, &at.v011, &at.v111};
     for (uint32_t c = 0; c < 8; ++c) {
       const uint32_t n = (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slice;
@@ -186,11 +187,11 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
     }
   }
   const real distance =
-      fieldDistance(look.place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, out.normal);
+      fieldDistance(found.place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, out.normal);
   out.normal = select(outside, none, out.normal);
   out.least = select(outside, out.least, distance);
   out.distance = select(outside, beyond, distance);
-  const real3 t = look.place.in_brick;
+  const real3 t = found.place.in_brick;
   const real to_border = min(min(min(t.x, t.y), t.z), lit(1) - max(max(t.x, t.y), t.z));
   const real even = any_stored ? evennessOf(body, grid, brick) : lit(0);
   const real around = madd(to_border, lit(kBrickCells), even - lit(1));  // cells
@@ -198,7 +199,7 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
   return out;
 }
 
-// Whether it is a field whose surface is not as at rest.
+// Whether the body is a distance field with a bend in this step.
 inline bool isBent(const SubstepBody& body) { return body.kind == PrimitiveKind::kField && body.extra != 0; }
 inline MovingBend movingBendOf(const SubstepBody& body) {
   MovingBend moving;
@@ -216,7 +217,7 @@ inline Bend bendAt(const MovingBend& moving, Scalar time) {
   return {term(0), term(1), term(2), term(3), term(4), term(5), term(6), term(7), term(8), term(9), fill3(moving.reach)};
 }
 
-// In the body's frame, see surfaceAt.
+// surfaceAt() of a bent field, in the body's frame.
 inline SurfacePoint bentSurfaceAt(const SubstepBody& body, const real3& x, const real& clear, const mask& lanes) {
   const MovingBend moving = movingBendOf(body);
   const Bend bend = bendAt(moving, body.time);
@@ -229,7 +230,7 @@ inline SurfacePoint bentSurfaceAt(const SubstepBody& body, const real3& x, const
   return out;
 }
 
-// Of kinds that turn. By itself, so that what sweeps over spheres and capsules stays small. See surfaceAt.
+// surfaceAt() of kinds that rotate. Not inlined, so that sweeps over spheres and capsules stay small.
 [[gnu::noinline]] inline SurfacePoint turningSurfaceAt(const SubstepBody& body, const real3& x, const real& clear,
                                                        const mask& lanes) {
   SurfacePoint out;
@@ -250,7 +251,8 @@ inline SurfacePoint bentSurfaceAt(const SubstepBody& body, const real3& x, const
   return out;
 }
 
-// `clear`: m, as far as the point is to be kept from the surface. Of `lanes`; of the others it may be anything.
+// Surface of a body as seen from x. `clear`: m, distance that the point must keep from it, see fieldDistance(). Only of
+// `lanes`; other lanes are undefined.
 inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const real& clear, const mask& lanes) {
   if (body.kind >= PrimitiveKind::kEllipsoid) return turningSurfaceAt(body, x, clear, lanes);
   SurfacePoint out;
@@ -271,15 +273,16 @@ inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const rea
   return out;
 }
 
-// At most the distance of points from the surface, more quickly than surfaceAt() has it of kinds where that takes long.
+// Lower bound of the distance of points from the surface, m. Cheaper than surfaceAt() for fields, ellipsoids and convex
+// bodies.
 [[gnu::noinline]] inline real leastDistance(const SubstepBody& body, const real3& x) {
   const mask all = lit(0) < lit(1);
   if (body.kind == PrimitiveKind::kField) {
     const real3 local = rotateBack(spread(body.rotation), x - spread(body.a));
-    if (!isBent(body)) return leastByCorner(body, lookIntoField(body, local, all), all);
+    if (!isBent(body)) return leastByCorner(body, sampleField(body, local, all), all);
     const MovingBend moving = movingBendOf(body);
-    const FieldLook look = lookIntoField(body, local + bendShift(bendAt(moving, body.time), local), all);
-    return leastByCorner(body, look, all) / lit(moving.stretch);
+    const FieldLookup found = sampleField(body, local + bendShift(bendAt(moving, body.time), local), all);
+    return leastByCorner(body, found, all) / lit(moving.stretch);
   }
   if (body.kind == PrimitiveKind::kEllipsoid || body.kind == PrimitiveKind::kConvex)
     return length(x - spread(body.middle)) - lit(body.ball);

@@ -19,8 +19,8 @@ namespace kernels::f32 {
 
 namespace {
 
-/// Of an ellipsoid, metres: its distances are worked out in units of its shortest half axis, in which those
-/// of far points are to be numbers still.
+/// Shortest half axis of an ellipsoid, m. Distances are computed in units of it, and those of far points must
+/// remain finite.
 constexpr float kLeastHalfAxis = 1e-6f;
 
 void put(float (&out)[3], const Vec3& v) {
@@ -36,7 +36,7 @@ Vec3 middleOf(const FieldGrid& grid) {
   return Vec3(grid.origin) + 0.5f * grid.cell * kBrickCells * bricks;
 }
 
-/// Of the ball about the place that the shape turns about, with that place in the shape's own frame.
+/// Bounding ball about the point that the shape rotates about; that point is in the shape's own frame.
 struct Turning {
   Vec3 middle = Vec3::Zero();
   float radius = 0;
@@ -67,7 +67,7 @@ uint64_t nextRevision() {
 
 void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
   if (static_cast<uint32_t>(p.kind) > static_cast<uint32_t>(PrimitiveKind::kField))
-    throw Error("a body's shape is of no known kind", where, "give a PrimitiveKind");
+    throw Error("unknown kind of body shape", where, "give a PrimitiveKind");
   if (!p.a.allFinite() || !p.b.allFinite() || !std::isfinite(p.radius) || !std::isfinite(p.friction) ||
       !std::isfinite(p.radius_b) || !p.extent.allFinite() || !p.rotation.coeffs().allFinite())
     throw Error("a body's shape is not finite", where, "check its points, sizes, rotation and friction");
@@ -88,7 +88,7 @@ void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
     throw Error("an ellipsoid's half axis is shorter than a micrometre", where, "give it in metres");
   if (p.kind == PrimitiveKind::kEllipsoid && p.extent.maxCoeff() > 100 * p.extent.minCoeff())
     throw Error("an ellipsoid's half axes differ by more than a factor of 100", where,
-                "use a box or a field for so flat a body");
+                "use a box or a distance field for such a flat body");
   if (p.kind == PrimitiveKind::kConvex && (p.convex == nullptr || p.convex->planes.size() < 4))
     throw Error("a convex body has no planes", where, "make it with convexBody()");
   if (p.kind == PrimitiveKind::kField && (p.field == nullptr || p.field->index.empty()))
@@ -125,12 +125,12 @@ uint32_t ShapeData::add(const ContactPrimitive& primitive) {
     const size_t index = first + kHeader, samples = index + field.index.size(),
                  corners = samples + field.samples.size(), even = corners + field.corners.size(),
                  end = even + evenness.size();
-    // The CPU backends count a field's samples in bytes, with a sign (wordAtByte).
+    // The CPU backends use signed 32-bit byte offsets into a field's samples (wordAtByte).
     if (sizeof(uint32_t) * field.samples.size() > std::numeric_limits<int32_t>::max())
       throw Error("a distance field is too large", std::to_string(field.samples.size()) + " words of samples",
                   "bake it with larger cells");
     if (end > std::numeric_limits<uint32_t>::max())
-      throw Error("the distance fields of the bodies are too large together", std::to_string(end) + " words",
+      throw Error("the distance fields of all bodies together are too large", std::to_string(end) + " words",
                   "bake them with larger cells");
     grid.index = static_cast<uint32_t>(index);
     grid.samples = static_cast<uint32_t>(samples);
@@ -152,7 +152,7 @@ uint32_t ShapeData::add(const ContactPrimitive& primitive) {
 uint32_t ShapeData::addBend() {
   const size_t first = words.size();
   if (first + kBendWords > std::numeric_limits<uint32_t>::max())
-    throw Error("the shapes of the bodies are too large together", std::to_string(first) + " words",
+    throw Error("the shapes of all bodies together are too large", std::to_string(first) + " words",
                 "bake their distance fields with larger cells");
   words.resize(first + kBendWords);
   bends.push_back(static_cast<uint32_t>(first));
@@ -205,7 +205,7 @@ MovingBend bendOf(const ContactPrimitive& field, const SurfaceBend& begin, const
   return movingBend(begin, end, field.a + middle, middle - Vec3(grid.origin));
 }
 
-void bendWith(MovingPrimitive& field, const MovingBend& bend, uint32_t at) {
+void applyBend(MovingPrimitive& field, const MovingBend& bend, uint32_t at) {
   if (bend.stretch == 0) return;
   field.extra = at;
   field.radius += farthestShift(bend);

@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kMostPlanes = 1024;  // each vertex of hair looks at all of them
+constexpr size_t kMostPlanes = 1024;  // each contact query tests all of them
 
 }  // namespace
 
@@ -17,14 +17,14 @@ ConvexBody convexBody(const TriangleMesh& mesh, float tolerance) {
   const std::string name = mesh.name.empty() ? "mesh" : "mesh " + mesh.name;
   for (size_t v = 0; v < mesh.positions.size(); ++v)
     if (!mesh.positions[v].allFinite())
-      throw Error("a vertex is not a finite point", fmt::format("{}, vertex {}", name, v), "repair the mesh");
+      throw Error("a vertex is not finite", fmt::format("{}, vertex {}", name, v), "repair the mesh");
   ConvexBody body;
   body.bounds = mesh.bounds();
   const float near = tolerance * body.bounds.diagonal().norm();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Vec3& p : mesh.positions)
     middle += p.cast<double>() / static_cast<double>(mesh.positions.size());
-  Eigen::Vector3d open = Eigen::Vector3d::Zero();  // what the areas of a closed surface leave over: nothing
+  Eigen::Vector3d open = Eigen::Vector3d::Zero();  // sum of area vectors: zero for a closed surface
   double area = 0;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     std::array<Eigen::Vector3d, 3> corner;
@@ -44,8 +44,9 @@ ConvexBody convexBody(const TriangleMesh& mesh, float tolerance) {
     for (const Vec3& p : mesh.positions) {
       const double before = normal.dot(p.cast<double>()) - distance;
       if (before > near)
-        throw Error(fmt::format("the mesh is not convex: a vertex lies {:.3g} m before a triangle", before),
-                    fmt::format("{}, triangle {}", name, t), "bake a distance field of it instead");
+        throw Error(
+            fmt::format("the mesh is not convex: a vertex lies {:.3g} m outside a triangle's plane", before),
+            fmt::format("{}, triangle {}", name, t), "bake a distance field of it instead");
     }
     if (body.planes.size() == kMostPlanes)
       throw Error(fmt::format("the convex body has more than {} planes", kMostPlanes), name,

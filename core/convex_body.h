@@ -6,16 +6,16 @@
 
 namespace strandcast {
 
-/// What lies behind all of its planes. The distance from inside is exact; outside it is that to the farthest
-/// plane, which before edges and corners is less than the distance to the body.
+/// Intersection of half spaces. Distances are exact inside. Outside, the distance is that to the farthest
+/// plane: a lower bound in front of edges and corners.
 struct ConvexBody {
   std::vector<std::array<float, 4>> planes;  ///< unit normal out of the body; distance from the origin, m
   Box bounds;
 };
 
-/// The planes of a closed convex mesh, 1024 at most; triangles of one plane give one. Throws Error when a
-/// vertex lies before the plane of a triangle by more than `tolerance` of the mesh's diagonal, when the mesh
-/// is open or has no volume, and when there are too many.
+/// Planes of a closed convex mesh, at most 1024; coplanar triangles share one. Throws Error if a vertex lies
+/// in front of a triangle's plane by more than `tolerance` x the mesh's diagonal. Also if the mesh is open,
+/// has no volume or has too many planes.
 ConvexBody convexBody(const TriangleMesh& mesh, float tolerance = 1e-4f);
 
 }  // namespace strandcast

@@ -12,7 +12,7 @@ namespace k = kernels::f32;
 k::real3 lanes(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 vector(const k::real3& v) { return {v.x, v.y, v.z}; }
 
-/// Trilinear interpolant of the eight numbers `get(n)`, n from `first` with these strides per axis.
+/// Trilinear interpolant of the eight values `get(n)`, n from `first` with these strides per axis.
 template <class Get>
 float interpolate(Get get, uint32_t first, uint32_t row, uint32_t slice, const k::real3& t,
                   k::real3& gradient) {
@@ -21,22 +21,22 @@ float interpolate(Get get, uint32_t first, uint32_t row, uint32_t slice, const k
                       get(above + 1), get(above + row), get(above + row + 1), t, gradient);
 }
 
-/// The least and the greatest difference of neighbouring samples, axis by axis, in sample units.
+/// Range of the differences of neighbouring samples, per axis, in sample units.
 struct Steps {
   Vec3 least = Vec3::Constant(1e9f), most = -least;
   void add(int axis, float step) {
     least[axis] = std::min(least[axis], step);
     most[axis] = std::max(most[axis], step);
   }
-  // The gradient of an interpolant lies between them: all gradients are in a box. Seen from 0 it is in a cone
-  // of half the angle asin(half its diagonal / distance of its middle).
+  // Every gradient of the interpolant lies in the box of these differences. Seen from 0, the box lies in a
+  // cone of half angle asin(half its diagonal / distance of its centre).
   bool even() const {
-    constexpr float kWide = 0.45f;  // 27 degrees
+    constexpr float kWide = 0.45f;  // 27 degrees of half angle: below 60 between two normals
     return (most - least).norm() < kWide * (most + least).norm();
   }
 };
 
-/// Of cells `first` to `end` of a brick, per axis.
+/// Adds the differences in the cells `first` to `end` of a brick, per axis.
 void addSteps(const uint32_t* brick, const uint32_t (&first)[3], const uint32_t (&end)[3], Steps& steps) {
   const uint32_t strides[3] = {1, kBrickSide, kBrickSide * kBrickSide};
   for (uint32_t z = first[2]; z <= end[2]; ++z)
@@ -53,8 +53,11 @@ void addSteps(const uint32_t* brick, const uint32_t (&first)[3], const uint32_t 
 }  // namespace
 
 bool DistanceField::hasInside() const {
-  const auto is_inside = [](uint32_t words) { return (words & 0x80008000u) != 0; };  // two signed numbers
-  const float deep = -0.5f * grid.quantum;  // on a sheet corners are rounded to either side of it
+  const auto is_inside = [](uint32_t words) {
+    return (words & 0x80008000u) != 0;
+  };  // sign bits of both samples
+  const float deep =
+      -0.5f * grid.quantum;  // corners on a sheet without volume are rounded to either side of it
   return std::any_of(corners.begin(), corners.end(), [&](float distance) { return distance < deep; }) ||
          std::any_of(samples.begin(), samples.end(), is_inside);
 }
@@ -69,7 +72,7 @@ std::vector<uint32_t> DistanceField::evenness() const {
         index[(static_cast<size_t>(at[2]) * grid.bricks[1] + at[1]) * grid.bricks[0] + at[0]];
     return entry < kInsideBrick ? samples.data() + size_t{entry} * kBrickWords : nullptr;
   };
-  // Whether it is with so many cells around.
+  // Whether a brick with this many cells around it is even.
   const auto isEven = [&](const int(&at)[3], int cells) {
     Steps steps;
     for (int n = 0; n < 27; ++n) {

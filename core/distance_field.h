@@ -7,28 +7,29 @@
 
 namespace strandcast {
 
-/// Edge of a brick in cells, its samples per axis (neighbours share a face of samples, so that one brick is
-/// enough for any cell of it), and how many 32-bit words hold them, two a word, the even one in the low half.
+/// Layout of a brick: its edge in cells, its samples per axis, all samples, and their 32-bit words.
+/// Neighbours share a face of samples, so that one brick is enough for any cell of it. A word holds two
+/// samples, the even one in the low half.
 constexpr uint32_t kBrickCells = 8;
 constexpr uint32_t kBrickSide = kBrickCells + 1;
 constexpr uint32_t kBrickSamples = kBrickSide * kBrickSide * kBrickSide;
 constexpr uint32_t kBrickWords = (kBrickSamples + 1) / 2;
 
-/// In the index: no part of the brick is in the band.
+/// Index entries of bricks of which no part is in the band.
 constexpr uint32_t kOutsideBrick = 0xFFFFFFFF;
 constexpr uint32_t kInsideBrick = 0xFFFFFFFE;
 
-/// Numbers of bricks and corners are exact in a float: more than this many in a grid are refused.
+/// Greatest number of bricks or corners of a grid: their indices must be exact in a float.
 constexpr uint32_t kMaxGridBricks = 1u << 24;
 
-/// One layout for the CPU arrays and for GLSL std430.
+/// Grid of a distance field. One layout for the CPU arrays and for GLSL std430.
 struct alignas(16) FieldGrid {
-  float origin[3];     ///< m, the low corner of brick 0
-  float cell;          ///< m
-  uint32_t bricks[3];  ///< per axis; (bricks + 1) multiplied is at most kMaxGridBricks
-  float band;          ///< m: bricks that come nearer to the surface than this are stored
-  float quantum;       ///< m, one unit of a stored sample
-  // Where the arrays of the field start in ShapeData::words; 0 in a DistanceField, which has them itself.
+  float origin[3];     ///< m, low corner of brick 0
+  float cell;          ///< m, edge of a cell
+  uint32_t bricks[3];  ///< per axis; the product of (bricks + 1) is at most kMaxGridBricks
+  float band;          ///< m: bricks nearer to the surface than this are stored
+  float quantum;       ///< m, unit of a stored sample
+  // First words of the field's arrays in ShapeData::words; 0 in a DistanceField, which owns the arrays.
   uint32_t index, samples, corners;
 };
 static_assert(sizeof(FieldGrid) == 48);
@@ -38,9 +39,9 @@ inline int16_t fieldSample(const uint32_t* brick, uint32_t n) {
   return static_cast<int16_t>(brick[n / 2] >> (16 * (n % 2)));
 }
 
-/// How even the normals about a stored brick are: 0: not known; 1: no two normals in it are 60 degrees apart;
-/// 2 or 3: nor with one or two cells on all sides of it, which are stored too. Two bits each, behind the
-/// corners in ShapeData::words.
+/// Evenness of a stored brick: how alike the normals around it are. 0: unknown; 1: no two normals in it
+/// differ by 60 degrees; 2 or 3: the same including one or two cells on all sides, which must be stored, too.
+/// Two bits each, after the corners in ShapeData::words.
 constexpr uint32_t kEvennessesPerWord = 16;
 inline uint32_t firstEvenness(const FieldGrid& grid) {
   return grid.corners + (grid.bricks[0] + 1) * (grid.bricks[1] + 1) * (grid.bricks[2] + 1);
@@ -51,34 +52,36 @@ struct FieldSample {
   Vec3 gradient = Vec3::Zero();  ///< of the distance; about unit length, points out of the body
 };
 
-/// Signed distance to the surface of a body, in the body's frame: sparse bricks of samples near the surface,
-/// and everywhere the distance at the corners of bricks. Flat arrays, the same for every backend.
-/// kernels/distance_field.h has the formulas.
+/// Signed distance field of a body, in the body's frame: sparse bricks of samples near the surface, and
+/// distances at the corners of all bricks. Flat arrays, the same for every backend. kernels/distance_field.h
+/// has the formulas.
 struct DistanceField {
   FieldGrid grid{};
-  std::vector<uint32_t>
-      index;  ///< per brick of the grid, x fastest: kOutsideBrick, kInsideBrick or its number
+  std::vector<uint32_t> index;    ///< per brick of the grid, x fastest: kOutsideBrick, kInsideBrick or its
+                                  ///< number among the stored bricks
   std::vector<uint32_t> samples;  ///< per stored brick kBrickWords words of 16-bit signed numbers, x fastest
   std::vector<float> corners;     ///< m, (bricks + 1) per axis, x fastest
 
   size_t bricks() const { return index.size(); }
   size_t storedBricks() const { return samples.size() / kBrickWords; }
   size_t bytes() const;
-  /// Whether any sample is inside. Where none is, hair goes through it.
+  /// Whether any sample is inside. Hair passes through a field without one.
   bool hasInside() const;
 
-  /// Any point, in metres. In stored bricks the trilinear interpolant and its exact gradient; elsewhere a
-  /// distance that is never farther from 0 than the true one, and the direction of the corners' interpolant.
+  /// Samples the field at any point (m). In stored bricks: the trilinear interpolant and its exact gradient.
+  /// Elsewhere: a distance that is never farther from 0 than the true one, and the direction of the corners'
+  /// interpolant.
   FieldSample at(const Vec3& point) const;
-  /// Of all stored bricks, as words.
+  /// Evenness of all stored bricks, packed into words: see firstEvenness().
   std::vector<uint32_t> evenness() const;
 };
 
-/// What is wrong with a mesh whose field has no inside.
+/// Error text for a mesh whose field has no inside.
 constexpr const char* kNoInside =
-    "nothing is inside it, so hair goes through it: the mesh encloses no volume, or is thinner than a cell";
+    "the field has no inside, so hair passes through the body: the mesh encloses no volume, or is thinner "
+    "than a cell";
 
-/// The position of sample `i` `j` `k` of the whole grid (brick * kBrickCells + sample in the brick).
+/// Position of sample `i` `j` `k` of the whole grid, m (index = brick * kBrickCells + sample in the brick).
 Vec3 samplePosition(const FieldGrid& grid, uint32_t i, uint32_t j, uint32_t k);
 
 }  // namespace strandcast

@@ -4,8 +4,8 @@
 
 namespace strandcast {
 
-/// What a user can mend: bad input, bad configuration, a missing driver. Prints as one line,
-/// `what: where; remedy`. Programs end with exit code 2 on it. Never thrown by the frame loop.
+/// An error that a user can fix: bad input, bad configuration, a missing driver. Prints as one line, `what:
+/// where; remedy`. Programs exit with code 2 on it. The frame loop never throws it.
 class Error : public std::runtime_error {
  public:
   /// `what` went wrong, `where` (file, byte offset, key, device), and the `remedy` the user can try.

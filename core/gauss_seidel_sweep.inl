@@ -1,16 +1,17 @@
-// One step of a block of strands by the course's scheme. Included after core/near_bodies.inl. The formulas are in
-// kernels/; here is only their order along the strand.
+// One step of a block of strands by position based dynamics after Yuksel and Tariq 2010, "Advanced Techniques in
+// Real-time Hair Rendering and Simulation", chapter 3. Included after core/near_bodies.inl. Here is only the order of
+// constraints along the strand; kernels/strand.h and kernels/contact.h have the formulas.
 
-inline const Scalar* courseRow(const Block& b, CoursePlane plane, int i) {
-  return b.course + (static_cast<size_t>(i) * kCoursePlanes + plane) * kLanes;
+inline const Scalar* pbdRow(const Block& b, PbdPlane plane, int i) {
+  return b.pbd + (static_cast<size_t>(i) * kPbdPlanes + plane) * kLanes;
 }
-inline real inverseMass(const Block& b, int i) { return load(courseRow(b, kInverseMass, i)); }
+inline real inverseMass(const Block& b, int i) { return load(pbdRow(b, kInverseMass, i)); }
 inline real3 restEdge(const Block& b, int i) {
-  const Scalar* row = courseRow(b, kRestEdge, i);
+  const Scalar* row = pbdRow(b, kRestEdge, i);
   return {load(row), load(row + kLanes), load(row + 2 * kLanes)};
 }
 
-// scratch: 6 planes of the block's vertices (start positions, then edge targets).
+// scratch: 6 planes of the block's vertices (positions at the start of the substep, edge targets).
 inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scratch) {
   const Parameters& p = *input.parameters;
   const int n = b.vertices;
@@ -33,7 +34,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
                          interpolateRotation(root_begin.rotation, root_end.rotation, lit(time))};
     near.placeRoots(root.position);
 
-    for (int i = 0; i < n; ++i) {  // predict; pinned vertices ride on the root frame
+    for (int i = 0; i < n; ++i) {  // predict; pinned vertices ride on the root frame or their bone
       const StepScope scope{StepPart::kPredict};
       const real3 x = load3(b.position, i);
       store3(x, start, i);
@@ -46,7 +47,7 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
     }
 
     for (int iteration = 0; iteration < p.iterations; ++iteration) {
-      quat frame = root.rotation;  // the rest edge, as the frame of the edge before it holds it now
+      quat frame = root.rotation;  // Bishop frame of the edge before edge i, which carries its rest edge
       const real3 root_tangent = rotate(frame, forward);
       real3 tangent = root_tangent;
       real3 x = load3(b.position, 0);
@@ -59,12 +60,12 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
         tangent = next_tangent;
         x = next_x;
       }
-      for (int color = 0; color < 3; ++color) {  // what is solved in one colour shares no vertex
+      for (int color = 0; color < 3; ++color) {  // constraints of one colour share no vertex
         const StepScope scope{StepPart::kBend};
         for (int i = color; i + 1 < n; i += 3) {
           const double along = n > 2 ? static_cast<double>(i) / (n - 2) : 0.0;
           real3 a = load3(b.position, i), c = load3(b.position, i + 1);
-          real3 before = a - root_tangent;  // the root frame stands before the first edge
+          real3 before = a - root_tangent;  // the root frame acts as an edge before the first one
           if (i > 0) before = load3(b.position, i - 1);
           solveAngular(before, a, c, i > 0 ? inverseMass(b, i - 1) : lit(0), inverseMass(b, i),
                        inverseMass(b, i + 1), load3(target, i),
@@ -97,12 +98,12 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
         const real3 zero = makeReal3(lit(0), lit(0), lit(0));
         for (int i = 0; i < n; ++i) {
           const real3 reached = load3(b.position, i);
-          const Touch touch = near.nearest(i, reached, load3(start, i));
-          const mask touches = touch.gap < lit(0) && inverseMass(b, i) > lit(0.5);
+          const ContactPlane plane = near.nearest(i, reached, load3(start, i));
+          const mask touches = plane.gap < lit(0) && inverseMass(b, i) > lit(0.5);
           if (!anyTrue(touches)) continue;
           real3 force = zero;
           const real3 out =
-              resolveContact(reached, touch.carried, touch.normal, touch.gap, touch.friction, lit(1), force);
+              resolveContact(reached, plane.carried, plane.normal, plane.gap, plane.friction, lit(1), force);
           store3(select(touches, out, reached), b.position, i);
         }
       }

@@ -24,13 +24,13 @@ struct Pose {
   }
 };
 
-/// Between two poses, t in [0, 1]: positions linearly, rotations by slerp.
+/// Interpolates two poses, t in [0, 1]: positions linearly, rotations by slerp.
 inline Pose interpolate(const Pose& a, const Pose& b, float t) {
   return {a.position + t * (b.position - a.position), a.rotation.slerp(t, b.rotation)};
 }
 
-/// The smallest rotation that takes the unit vector `from` to the unit vector `to`; half a turn about some
-/// axis when they are opposite.
+/// Shortest rotation from the unit vector `from` to the unit vector `to`; half a turn about some
+/// perpendicular axis if they are opposite.
 template <class Scalar>
 Eigen::Quaternion<Scalar> shortestRotation(const Eigen::Matrix<Scalar, 3, 1>& from,
                                            const Eigen::Matrix<Scalar, 3, 1>& to) {

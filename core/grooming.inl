@@ -1,5 +1,5 @@
-// What grooming makes of the vertices of a block in a step: how much of their velocity the air leaves them, and how the
-// goal pull adds to their mass (kernels/grooming.h). Included after core/near_bodies.inl.
+// Effect of grooming on the vertices of a block in a step: the share of velocity that air drag leaves, and the mass
+// that the goal pull adds (kernels/grooming.h). Included after core/near_bodies.inl.
 class Grooming {
  public:
   // `scratch`: of the block.
@@ -22,8 +22,8 @@ class Grooming {
         keep[lane] = static_cast<Scalar>(own.keep);
         time2[lane] = static_cast<Scalar>(own.time2);
       }
-      const real free = select(load(sizeOf(b, kWeight, i)) > lit(0), lit(1), lit(0));
-      const real own_mass = load(sizeOf(b, kMass, i));
+      const real free = select(load(massData(b, kWeight, i)) > lit(0), lit(1), lit(0));
+      const real own_mass = load(massData(b, kMass, i));
       const real m = select(free > lit(0), own_mass * (time2_ * inverse(load(time2))), own_mass);
       const real rate = lit(p.goal_rate) * groomingFactor(b, kGoalScale, i) * free;
       const real stiffness = goalStiffness(own_mass, rate, time2_);
@@ -33,17 +33,18 @@ class Grooming {
       store(free * inverse(m + stiffness), row(kWeightWith, i));
     }
   }
-  // Nothing else may be asked where it is not.
+  // Whether any grooming acts. If not, no other member may be called.
   bool on() const { return on_; }
 
   real keep(int i) const { return load(row(kKeep, i)); }
   real time2(int i) const { return load(row(kTime2, i)); }    // s^2, see DragStep
-  real rate(int i) const { return load(row(kRate, i)); }      // 1/s, of the goal pull, 0 where pinned
-  real mass(int i) const { return load(row(kMassWith, i)); }  // as forces times the usual time2 move it, with the goal's stiffness
+  real rate(int i) const { return load(row(kRate, i)); }      // 1/s, of the goal pull; 0 if pinned
+  real mass(int i) const { return load(row(kMassWith, i)); }  // effective: for forces times the usual time2, with the goal's stiffness
   real weight(int i) const { return load(row(kWeightWith, i)); }
-  // Right-hand side for vertex i of the rod, shifted so in this substep; `way`: where it would go if it were like all others and
-  // not pulled.
-  real3 pull(int i, const real3& way, const RootFrame& root, const real3& shift) const {
+  // Right-hand side of the rod's bending system for vertex i at `shift` in this substep, without internal forces.
+  // `way`: displacement by gravity, wind and external forces with the usual air drag, less RodStep::jump_, without goal
+  // pull.
+  real3 loadTowardsGoal(int i, const real3& way, const RootFrame& root, const real3& shift) const {
     const real3 lack = (restPoint(block_, root, i) - load3(block_.position, i)) - shift;
     const real3 driven = block_.acceleration != nullptr ? gravity_ + accelerationOf(block_, i) : gravity_;
     const real3 own = madd(driven, time2(i) - time2_, madd(wind_, (keep_ - keep(i)) * substep_, way));

@@ -1,65 +1,72 @@
-// Contact of strands that bodies press, while their vertices are where forces have moved them: through the bending matrix, so that what
-// holds one vertex holds its strand, and its force is what that takes. Included in core/rod_sweep.inl.
+// Contact of pressed strands, solved through the bending matrix after forces have moved the vertices. Holding one
+// vertex on a surface moves the other vertices of its strand, and the reaction at the held vertex is the change of its
+// contact force. Solves the complementarity problem of the substep (Moreau) by an active-set iteration; the law is in
+// kernels/contact.h. Included in core/rod_sweep.inl.
 
-// Of a vertex that some lane has near a body, and of the elimination of the bending matrix with those held that are.
+// Row of a vertex that some lane has near a body, in the elimination of the bending matrix with held vertices
+// prescribed. Forces are in units of length x mass.
 struct RodStep::HeldRow {
-  real3 push;              // m, from where it is to where it is to be held
-  real3 force;             // that the body has pressed it with when the substep began
-  real3 load;              // on one that is not held, in place of that
-  real3 reaction;          // to what holds it
-  real3 moved, right;      // its way without those farther in; its right-hand side
-  real gives, own, across, second;  // how it gives way; its own stiffness, and what couples it to the next two inwards
-  real held;               // 1, else 0
-  real3 rubs;              // friction that is kept
+  real3 push;              // m, from the vertex to its position on the surface (positionOnSurface)
+  real3 force;             // contact force at the start of the substep
+  real3 load;              // change of that force if the vertex is not held
+  real3 reaction;          // change of that force if it is held
+  real3 moved, right;      // displacement without that of vertices farther in; right-hand side
+  real compliance, own, across, second;  // inverse diagonal, 0 if prescribed; diagonal; couplings to the next two vertices inwards
+  real held;               // 1 if held, otherwise 0
+  real3 kept_friction;              // friction that is kept, see positionOnSurface()
   real follows, friction;
 };
 
 inline RodStep::HeldRow& RodStep::heldRow(int i) const {
-  static_assert(sizeof(HeldRow) <= kPullPlanes * kLanes * sizeof(Scalar));
+  static_assert(sizeof(HeldRow) <= kTensionPlanes * kLanes * sizeof(Scalar));
   return reinterpret_cast<HeldRow*>(scratch_ + rodScratch(n, kLanes))[i - 1];
 }
 
-// Notes what a body is to vertex i, shifted so, of which forces have just moved it by `moved`.
-inline void RodStep::touch(int i, const real3& shift, const real3& moved) {
+// Finds the contact of vertex i after `shift`, of which forces in this substep gave `moved`.
+inline void RodStep::findContact(int i, const real3& shift, const real3& moved) {
   const StepScope scope{StepPart::kContact};
   const real3 x = state3(b.position, i) + shift;
-  near_.lookOn(i, x, state3(b.position, i), again_);
-  if (near_.sees(i) || forced_[i]) touched(i, x, moved);
+  near_.requeryIfMoved(i, x, state3(b.position, i), in_length_pass_);
+  if (near_.hasContactPlane(i) || has_force_[i]) holdAtContact(i, x, moved);
 }
 
-// The same of a vertex that one may be near. In a body, or pressed before, it is held at first; near one it may be later, or a step would
-// depend on which side of the surface rounding has put it. By itself, so that the sweep stays small.
-[[gnu::noinline]] inline void RodStep::touched(int i, const real3& x, const real3& moved) {
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0)), before = forced_[i] ? state3(b.contact, i) : zero;
+// findContact() for a vertex that may be near a body. A vertex inside a body, or pressed before, starts as held. One
+// that is only near gets a row, too, and may become held; otherwise rounding at the surface would decide the result of
+// a step. Not inlined, so that the sweep stays small.
+[[gnu::noinline]] inline void RodStep::holdAtContact(int i, const real3& x, const real3& moved) {
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0)), before = has_force_[i] ? state3(b.contact, i) : zero;
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
-  noteMeeting(i, gap, pressed_before);
+  noteContact(i, gap, pressed_before);
   const mask near = (gap < contactReach() || pressed_before) && weight(i) > lit(0);
   if (!anyTrue(near)) return;
-  const Touch touch = near_.touch(i, x);
-  const mask touches = near && (touch.gap < lit(0) || pressed_before), held = touches && touch.gap < contactReach();
+  const ContactPlane plane = near_.deepestPlane(i, x);
+  const mask touches = near && (plane.gap < lit(0) || pressed_before), held = touches && plane.gap < contactReach();
   HeldRow& row = heldRow(i);
-  row.push = heldPlace(x, touch.carried, moved, touch.normal, touch.gap, touch.friction, select(near, weight(i), lit(1)), before,
-                       row.follows, row.rubs) - x;
+  row.push = positionOnSurface(x, plane.carried, moved, plane.normal, plane.gap, plane.friction, select(near, weight(i), lit(1)), before,
+                       row.follows, row.kept_friction) - x;
   row.force = before;
   row.load = select(touches && !held, zero - before, zero);
   row.held = select(held, lit(1), lit(0));
   row.follows = select(held, row.follows, lit(0));
-  row.friction = touch.friction;
-  set3(kNormal, i, select(near, touch.normal, zero));
-  forced_[i] = faces_[i] = true;
-  touches_ = touches_ || touches;
+  row.friction = plane.friction;
+  set3(kNormal, i, select(near, plane.normal, zero));
+  has_force_[i] = has_normal_[i] = true;
+  in_contact_ = in_contact_ || touches;
 }
 
-// The strands that touch bodies, bent by what holds them, who pulls at a body let go; their contact forces.
+// Active-set iteration, docs/solver.md (26) to (28): solves the bending system with held vertices prescribed, releases
+// vertices that would pull at a body, and holds vertices that penetrate, until nothing changes. Then applies the
+// displacements and stores the contact forces.
 [[gnu::noinline]] inline void RodStep::pressThroughBending() {
   const StepScope scope{StepPart::kContact};
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  auto isHeld = [&](int i) { return faces_[i] ? heldRow(i).held > lit(0) : lit(0) > lit(0); };
+  auto isHeld = [&](int i) { return has_normal_[i] ? heldRow(i).held > lit(0) : lit(0) > lit(0); };
   mask changed = lit(0) < lit(1);
-  for (int round = 0; round < kHoldRounds && anyTrue(changed); ++round) {
-    // From tip to root. Those farther out, and A without its own elimination of them (see OuterPulls in kernels/stiff_pulls.h), leave this of
-    // a vertex, what couples it to the next one, and that.
+  for (int round = 0; round < kActiveSetIterations && anyTrue(changed); ++round) {
+    // Tip to root. `near`, `between`, `far`: what the vertices farther out change, against the elimination of A alone,
+    // on this vertex's diagonal, on its coupling to the next vertex inwards and on that one's diagonal. The elimination
+    // of A itself is not repeated (see OuterTensions in kernels/stiff_tensions.h).
     real near = lit(0), between = lit(0), far = lit(0);
     real3 right = zero, right_far = zero;
     for (int e = ne - 1; e >= 0; --e) {
@@ -70,32 +77,32 @@ inline void RodStep::touch(int i, const real3& shift, const real3& moved) {
       row.second = e > 1 ? pivot * get(kFactor2, e - 2) : lit(0);
       row.across = first + between;
       row.own = pivot + near;
-      row.gives = select(fixed, lit(0), inverse(row.own));
-      row.right = faces_[e + 1] ? right + row.load : right;
-      row.moved = row.right * row.gives;
-      if (faces_[e + 1]) row.moved = select(held, row.push, row.moved);
-      const real less = select(fixed, alone, alone * row.gives * near);  // than in A alone does it give way
-      near = far + first * first * less - (first + row.across) * between * row.gives;
-      between = row.second * (first * less - between * row.gives);
+      row.compliance = select(fixed, lit(0), inverse(row.own));
+      row.right = has_normal_[e + 1] ? right + row.load : right;
+      row.moved = row.right * row.compliance;
+      if (has_normal_[e + 1]) row.moved = select(held, row.push, row.moved);
+      const real less = select(fixed, alone, alone * row.compliance * near);  // compliance that the vertex lacks against A alone
+      near = far + first * first * less - (first + row.across) * between * row.compliance;
+      between = row.second * (first * less - between * row.compliance);
       far = row.second * row.second * less;
       right = right_far - row.moved * row.across;
       right_far = zero - row.moved * row.second;
     }
-    // From root to tip: how far they move, and what holds those that are held.
+    // Root to tip: displacements, and the reactions at held vertices.
     real3 moved_in = zero, moved_in2 = zero;
     changed = lit(0) > lit(0);
     for (int e = 0; e < ne; ++e) {
       HeldRow& row = heldRow(e + 1);
-      const real3 pull_in = moved_in * row.across + moved_in2 * row.second;
-      row.moved = row.moved - pull_in * row.gives;
+      const real3 coupled_in = moved_in * row.across + moved_in2 * row.second;
+      row.moved = row.moved - coupled_in * row.compliance;
       moved_in2 = moved_in;
       moved_in = row.moved;
-      if (!faces_[e + 1]) continue;
+      if (!has_normal_[e + 1]) continue;
       const mask held = isHeld(e + 1);
       const real3 normal = get3(kNormal, e + 1);
-      row.reaction = select(held, row.moved * row.own + pull_in - row.right, zero);
-      const mask goes = held && letsGo(row.force, row.reaction, normal);
-      const mask comes = !held && isPushed(row.push, row.moved, normal);
+      row.reaction = select(held, row.moved * row.own + coupled_in - row.right, zero);
+      const mask goes = held && isReleased(row.force, row.reaction, normal);
+      const mask comes = !held && becomesHeld(row.push, row.moved, normal);
       row.held = select(goes, lit(0), select(comes, lit(1), row.held));
       row.load = select(goes, zero - row.force, select(comes, zero, row.load));
       changed = changed || goes || comes;
@@ -103,9 +110,9 @@ inline void RodStep::touch(int i, const real3& shift, const real3& moved) {
   }
   for (int i = 1; i < n; ++i) {
     const HeldRow& row = heldRow(i);
-    set3(kShift, i, get3(kShift, i) + select(touches_, row.moved, zero));
-    if (!faces_[i]) continue;
-    const real3 normal = get3(kNormal, i), force = heldForce(row.force, row.reaction, row.follows, row.rubs, normal, row.friction);
+    set3(kShift, i, get3(kShift, i) + select(in_contact_, row.moved, zero));
+    if (!has_normal_[i]) continue;
+    const real3 normal = get3(kNormal, i), force = heldForce(row.force, row.reaction, row.follows, row.kept_friction, normal, row.friction);
     const mask held = row.held > lit(0);
     store3(select(held, force, row.load + row.force), b.contact, i);
     set3(kNormal, i, select(held, normal, zero));

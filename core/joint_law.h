@@ -5,9 +5,9 @@
 
 namespace strandcast {
 
-/// The law of a joint (kernels/rod.h) in double precision and in Eigen's types, with its derivative. Frames
-/// are unit quaternions; strains, rest strains and stiffness (bending, bending, twist) are in the inner
-/// frame.
+/// The elastic law of a joint (kernels/rod.h) in double precision and Eigen types, with its derivative.
+/// Frames are unit quaternions. Strains, rest strains and stiffness (bending, bending, twist) are in the
+/// inner frame.
 
 inline kernels::f64::quat toLanes(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 inline kernels::f64::real3 toLanes(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -17,21 +17,21 @@ inline Eigen::Vector3d strainOfJoint(const Eigen::Quaterniond& inner, const Eige
   return fromLanes(kernels::f64::jointStrain(toLanes(inner), toLanes(outer)));
 }
 
-/// Of half the angle between them, and no less than where the law is capped.
+/// Cosine of half the angle between the frames, clamped where the law is.
 inline double cappedCosine(const Eigen::Quaterniond& inner, const Eigen::Quaterniond& outer) {
   return kernels::f64::cappedCosine(toLanes(inner.conjugate() * outer));
 }
 
-/// The matrix of v x.
+/// Matrix of the cross product with v on the left.
 inline Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
   return m;
 }
 
-/// How the moment of a joint, in the inner frame, answers a small rotation eta of its outer frame: the sum of
-/// both times eta. The strain u changes by T eta, T = 1 - [u]/2 + u u^T / 4, and the moment is c + u x c / 2
-/// with c = K (u - rest).
+/// Derivative of a joint's moment, in the inner frame, by a small rotation eta of its outer frame: the sum of
+/// both matrices. The strain u changes by T eta with T = 1 - [u]/2 + u u^T / 4, and the moment is c + u x
+/// c / 2 with c = K (u - rest).
 struct JointDerivative {
   Eigen::Matrix3d elastic;    ///< (K + [u] K / 2) T
   Eigen::Matrix3d geometric;  ///< -[c] T / 2

@@ -12,13 +12,13 @@
 namespace strandcast {
 namespace {
 
-/// Either a number or a curve.
+/// A setting: either a number or a curve.
 struct Entry {
   MaterialSettingInfo info;
   double low, high;  ///< of the number, or of the curve's factors
   float Material::*number = nullptr;
   RootTipCurve Material::*curve = nullptr;
-  bool or_zero = false;  ///< 0 = off is in the range too
+  bool or_zero = false;  ///< 0 (off) is valid, too
 };
 
 std::string rangeOf(double low, double high) { return fmt::format("{:g} to {:g}", low, high); }
@@ -40,12 +40,13 @@ Entry curve(const char* name, double low, double high, const char* help, RootTip
 const std::vector<Entry>& entries() {
   using M = Material;
   static const std::vector<Entry> list = {
-      number("youngs_modulus", "Pa", 1e3, 1e13, "stiffness against bending; human hair 3e9 to 4e9",
-             &M::youngs_modulus),
-      number("poisson_ratio", "", -0.9, 0.5, "decides on the stiffness against twist: G = E / (2 + 2 nu)",
-             &M::poisson_ratio),
-      number("radius", "m", 1e-6, 5e-3, "at the root; bending goes with its 4th power", &M::radius),
-      number("density", "kg/m^3", 1, 20000, "human hair 1300", &M::density),
+      number("youngs_modulus", "Pa", 1e3, 1e13,
+             "Young's modulus, which sets the bending stiffness; human hair 3e9 to 4e9", &M::youngs_modulus),
+      number("poisson_ratio", "", -0.9, 0.5,
+             "Poisson's ratio, which sets the twist stiffness: G = E / (2 + 2 nu)", &M::poisson_ratio),
+      number("radius", "m", 1e-6, 5e-3, "radius at the root; bending stiffness grows with its 4th power",
+             &M::radius),
+      number("density", "kg/m^3", 1, 20000, "density; human hair 1300", &M::density),
       curve("radius_curve", 1e-3, 1e3, "taper: factor of radius from root to tip", &M::radius_scale),
       curve("stiffness_curve", 1e-3, 1e3, "factor of youngs_modulus from root to tip", &M::stiffness_scale),
       curve("density_curve", 0.1, 10, "factor of density from root to tip", &M::density_scale),
@@ -58,14 +59,14 @@ const std::vector<Entry>& entries() {
       curve("friction_curve", 0, 1e3, "factor of friction_scale from root to tip", &M::friction_curve),
       numberOrZero(
           "tether", 1, 10,
-          "longest distance from the root over arc length, 0 = off; of gauss_seidel, which stretches",
+          "largest distance from the root over arc length, 0 = off; only for gauss_seidel, which stretches",
           &M::tether),
   };
   return list;
 }
 
 void checkNumber(const Entry& entry, double value, const std::string& where) {
-  constexpr double kRounding = 1e-6;  // the limits themselves are in the range, as floats too
+  constexpr double kRounding = 1e-6;  // the limits are valid as floats, too
   if (!(value >= entry.low - kRounding * std::fabs(entry.low) &&
         value <= entry.high + kRounding * std::fabs(entry.high)) &&
       !(entry.or_zero && value == 0))
@@ -77,15 +78,15 @@ void checkCurve(const Entry& entry, const RootTipCurve& curve, const std::string
   if (curve.knots.empty())
     throw Error(fmt::format("'{}' has no knot", entry.info.name), where, "give at least one");
   float before = -1;
-  int here = 0;  // knots at one place
+  int here = 0;  // knots at one position
   for (const auto& [place, factor] : curve.knots) {
     checkNumber(entry, factor, where);
     here = place == before ? here + 1 : 1;
-    const bool is_within = place > 0 && place < 1;  // at an end a step has one side only
+    const bool is_within = place > 0 && place < 1;  // a step at an end has one side only
     if (here > (is_within ? 2 : 1))
       throw Error(
-          fmt::format("'{}' has {} knots at {:g}, of which not all count", entry.info.name, here, place),
-          where, is_within ? "two make a step: leave the others out" : "leave one of them out");
+          fmt::format("'{}' has {} knots at {:g}, more than it can use", entry.info.name, here, place), where,
+          is_within ? "two knots make a step: leave the others out" : "leave one of them out");
     if (!(place >= 0 && place >= before && place <= 1))
       throw Error(fmt::format("'{}' has a knot at {:g}", entry.info.name, place), where,
                   "give places in order, from 0 (root) to 1 (tip)");
@@ -93,7 +94,7 @@ void checkCurve(const Entry& entry, const RootTipCurve& curve, const std::string
   }
 }
 
-/// By how many times radius^power x `other` is more in one place than in another.
+/// Ratio of the greatest to the least value of radius^power x `other` along a strand.
 double rangeAlong(const RootTipCurve& radius, int power, const RootTipCurve& other) {
   double least = std::numeric_limits<double>::max(), most = 0;
   const auto take = [&](double radius_factor, double other_factor) {
@@ -107,14 +108,15 @@ double rangeAlong(const RootTipCurve& radius, int power, const RootTipCurve& oth
   return most / least;
 }
 
-/// What floats can still solve: the last masses and stiffnesses along a strand are there beside the first.
+/// Bounds on taper so that the solver works in float: masses and stiffnesses at both ends of a strand are in
+/// one system.
 void checkTaper(const Material& material, const std::string& where) {
   constexpr double kMostRadii = 100, kMostBending = 1e10, kMostMass = 1e4, kRounding = 1e-6;
   const RootTipCurve even, &radius = material.radius_scale;
   const auto check = [&](double times, double most, const char* who, const char* how, const char* what) {
     if (times > most * (1 + kRounding))
-      throw Error(fmt::format("{} hair {:g} times as {} in one place as in another", who, times, how), where,
-                  fmt::format("let {} differ by {:g} times at most", what, most));
+      throw Error(fmt::format("{} hair {:g} times as {} at one place as at another", who, times, how), where,
+                  fmt::format("make {} differ by a factor of at most {:g}", what, most));
   };
   check(rangeAlong(radius, 1, even), kMostRadii, "'radius_curve' makes", "thick", "its factors");
   check(rangeAlong(radius, 4, material.stiffness_scale), kMostBending,
@@ -123,7 +125,7 @@ void checkTaper(const Material& material, const std::string& where) {
         "heavy", "radius^2 x density");
 }
 
-/// A scale times its curve is in the range that either may have alone.
+/// A scale times its curve must be in the range of either alone.
 void checkProduct(const char* name, float scale, const char* curve_name, const RootTipCurve& curve,
                   const std::string& where) {
   constexpr double kMost = 1e3, kRounding = 1e-6;
@@ -131,15 +133,15 @@ void checkProduct(const char* name, float scale, const char* curve_name, const R
   for (const auto& [place, factor] : curve.knots) most = std::max<double>(most, factor);
   if (scale * most > kMost * (1 + kRounding))
     throw Error(fmt::format("'{}' x '{}' is up to {:g}", name, curve_name, scale * most), where,
-                fmt::format("let it be {:g} at most", kMost));
+                fmt::format("give at most {:g}", kMost));
 }
 
 void setShearModulus(Material& material, double shear, const std::string& where) {
   const double ratio = material.youngs_modulus / (2 * shear) - 1;
-  constexpr double kRounding = 1e-5;  // the limits that the message names are in the range
+  constexpr double kRounding = 1e-5;  // the limits that the message names are valid
   if (!(ratio >= -0.9 - kRounding && ratio <= 0.5 + kRounding))
     throw Error(
-        fmt::format("'{}' = {:g} does not go with youngs_modulus = {:g}", kShearModulus, shear,
+        fmt::format("'{}' = {:g} does not fit youngs_modulus = {:g}", kShearModulus, shear,
                     material.youngs_modulus),
         where,
         fmt::format("give {:g} to {:g} Pa", material.youngs_modulus / 3, material.youngs_modulus / 0.2));
@@ -158,7 +160,7 @@ const Entry& entryOf(const std::string& name, const std::string& where) {
 RootTipCurve curveOf(const Entry& entry, const std::vector<double>& values, const std::string& where) {
   if (values.size() == 1) return {{{0.0f, static_cast<float>(values[0])}}};
   if (values.empty() || values.size() % 2 != 0)
-    throw Error(fmt::format("'{}' is no curve", entry.info.name), where,
+    throw Error(fmt::format("'{}' is not a curve", entry.info.name), where,
                 "give pairs of place (0 root to 1 tip) and factor, or one factor");
   RootTipCurve curve{{}};
   for (size_t i = 0; i < values.size(); i += 2)
@@ -195,7 +197,7 @@ const std::vector<MaterialSettingInfo>& materialSettingList() {
     std::vector<MaterialSettingInfo> infos;
     for (const Entry& entry : entries()) infos.push_back(entry.info);
     infos.insert(infos.begin() + 2, {kShearModulus, "Pa", "a third of youngs_modulus to 5 times it",
-                                     "G, in the place of poisson_ratio", false});
+                                     "shear modulus G, instead of poisson_ratio", false});
     return infos;
   }();
   return list;

@@ -16,7 +16,7 @@ void Measurement::add(const Measurement& other) {
 
 namespace {
 
-/// Of free vertices of these strands below the surface of one body, m, where any is deeper than `most`.
+/// Maximum of `most` and the depth of any free vertex of these strands below the surface of one body, m.
 double deepest(const StrandModel& model, std::span<const Vec3> positions, const MovingPrimitive& body,
                std::span<const uint32_t> words, StrandRange strands, double most) {
   const Box box = sweptBox(body);

@@ -5,8 +5,8 @@
 
 namespace strandcast {
 
-/// The entry of `list` whose `name` this is. Error otherwise: what is unknown, `where`, and the names there
-/// are.
+/// Entry of `list` with this `name`. Otherwise throws Error with the unknown name, `where`, and all known
+/// names.
 template <class List>
 const auto& namedEntry(const List& list, const std::string& what, const std::string& name,
                        const std::string& where) {

@@ -1,5 +1,6 @@
-// The bodies that the strands of a block may touch in a step: of those that the broad phase has listed for its neighbourhood by
-// how far strands reach, the ones near where its strands are now. Included after core/strand_sweep.inl.
+// Bodies that the strands of a block may touch in a step, and the contact queries of their vertices. The broad phase
+// lists bodies per neighbourhood by the reach of strands; this class keeps those near the block's present positions.
+// Included after core/strand_sweep.inl.
 class NearBodies {
  public:
   NearBodies(const Block& b, const StepInput& input) : block_(b), bodies_(input.primitives) {
@@ -7,123 +8,131 @@ class NearBodies {
     is_listed_ = input.near != nullptr;
     if (candidates() == 0) return;
     const StepScope scope{StepPart::kContact};
-    all_ = !calm(b, input) || b.bone_pins != nullptr;  // a bone may pull strands anywhere
+    all_ = !movesByVelocity(b, input) || b.bone_pins != nullptr;  // bones may move strands anywhere
     const Box box = reach(b, input);
     middle_ = box.center();
     radius_ = 0.5f * box.sizes().norm();
     if (all_) return;
     for (size_t i = 0; i < candidates(); ++i) {
-      if (!meets(bodies_[candidate(i)], box)) continue;
-      if (count_ == kMost) {  // then all are taken
+      if (!mayReach(bodies_[candidate(i)], box)) continue;
+      if (count_ == kMost) {  // then all candidates are taken
         all_ = true;
         break;
       }
       near_[count_++] = candidate(i);
     }
   }
+  /// Number of bodies that the block may touch.
   size_t size() const { return all_ ? candidates() : count_; }
 
-  /// To be called at the start of a substep. `time` as of bodyAt().
+  /// Places the bodies at the end of a substep. Call it at the start of each substep. `time`: as in bodyAt().
   void place(const StepInput& input, double time) {
     const StepScope scope{StepPart::kContact};
-    for (size_t i = 0; i < kept(); ++i) placed_[i] = place(i, input, time);
+    for (size_t i = 0; i < placedBodies(); ++i) placed_[i] = place(i, input, time);
     input_ = &input;
     time_ = time;
     noteMotions();
   }
-  /// After that: where the roots are at the end of the substep.
+  /// Sets the positions of the roots at the end of the substep, and finds the bodies that cover some of them. Call it
+  /// after place().
   void placeRoots(const real3& roots) {
     if (size() == 0) return;
     const StepScope scope{StepPart::kContact};
-    const real way = wayAlong(roots, load3(block_.position, 0));
+    const real way = relativeTravel(roots, load3(block_.position, 0));
     roots_ = roots;
     covered_ = 0;
-    for (size_t k = 0; k < kept(); ++k) {
-      const Scalar left = known_roots_ ? root_rooms_[k] + leastOf(lit(0) - way) : Scalar(-1);
-      root_rooms_[k] = left;
+    for (size_t k = 0; k < placedBodies(); ++k) {
+      const Scalar left = known_roots_ ? root_bounds_[k] + reduceMin(lit(0) - way) : Scalar(-1);
+      root_bounds_[k] = left;
       if (left >= 0) continue;
-      const real depths = rootDepths(placed_[k]), room = depthOfWayOut(firstEdge()) - depths;
-      root_rooms_[k] = leastOf(select(room > lit(-1e9), room, lit(-1e9)));
-      if (root_rooms_[k] >= 0) continue;
+      const real depths = rootDepths(placed_[k]), room = depthForExitArc(firstEdge()) - depths;
+      root_bounds_[k] = reduceMin(select(room > lit(-1e9), room, lit(-1e9)));
+      if (root_bounds_[k] >= 0) continue;
       covered_ |= uint32_t{1} << k;
       store(depths, root_depths_[k]);
     }
     known_roots_ = true;
   }
-  /// Of all bodies the nearest to vertex `v`; see meet().
-  Touch nearest(int v, const real3& x, const real3& x_start) const {
+  /// Contact plane of the nearest of all bodies for vertex `v`; see closestContact(). Used by gauss_seidel.
+  ContactPlane nearest(int v, const real3& x, const real3& x_start) const {
     const real clear = clearance(v), reach = contactReach();
     const mask all = lit(0) < lit(1);
-    Touch nearest = untouched(x, reach);
-    auto lookAt = [&](const SubstepBody& body, const Scalar* root_depths) {
+    ContactPlane nearest = noContact(x, reach);
+    auto visit = [&](const SubstepBody& body, const Scalar* root_depths) {
       const real own_clear = root_depths != nullptr ? clearanceInReach(clear, load(root_depths), arcLength(v)) : clear;
-      Touch own = untouched(x, reach);
-      meet(body, x, x_start, own_clear, reach, all, own);
+      ContactPlane own = noContact(x, reach);
+      closestContact(body, x, x_start, own_clear, reach, all, own);
       nearest = chosen(own.gap < nearest.gap, own, nearest);
     };
-    forBodies((uint32_t{1} << kept()) - 1, lookAt);
+    forBodies((uint32_t{1} << placedBodies()) - 1, visit);
     nearest.friction = nearest.friction * groomingFactor(block_, kFrictionScale, v);
     return nearest;
   }
 
-  // The rod's vertices look at the bodies once a substep, from where they would go by themselves, and keep the planes along the
-  // two nearest: all that it asks of them, but for those that come far from where they looked, who look again.
-  // Rooms: a vertex that was some way off a body and has not gone as far since, seen from whatever body, need not look at it.
-  // Of every vertex is kept how far it has gone since the start of the step, and a limit: a distance that is at most the least
-  // gap at some time plus how far the vertex had gone then; of every row and body the limit of the step's start. Nothing comes
-  // out otherwise for that. Those that have to look wait until they are a whole vector (core/waiting_looks.inl).
+  // Contact queries of the rod. Once per substep, each vertex queries the bodies from where it would go without forces.
+  // It keeps the contact planes of the two nearest bodies; the passes of the substep read only this contact cache. A
+  // vertex far from its query point queries again.
+  //
+  // Separation bounds: a vertex that was at some distance from a body needs no query of it until it has travelled that
+  // far, as seen from any body. Each vertex stores its travel since the start of the step and the least bound over all
+  // bodies: a lower limit of (gap + travel) at some earlier time. Each row also stores the bound of every placed body
+  // at the start of the step. Bounds skip queries without changing any result. Queries are batched into full SIMD
+  // vectors (core/contact_query_batch.inl).
 
-  /// To be called at the start of a step, for what follows. `rows`: contactScratch() numbers.
-  void measureRooms(const StepInput& input, Scalar* rows) {
+  /// Initialises bounds and travel. Call it at the start of a step, before queueContactQuery(). `rows`: memory for
+  /// contactScratch() numbers.
+  void findSeparationBounds(const StepInput& input, Scalar* rows) {
     const StepScope scope{StepPart::kContact};
     rows_ = rows;
-    limits_ = rows + static_cast<size_t>(kContactPlanes) * block_.vertices * kLanes;
-    for (size_t k = 0; k < kept(); ++k) placed_[k] = place(k, input, 0);
+    separation_bounds_ = rows + static_cast<size_t>(kContactPlanes) * block_.vertices * kLanes;
+    for (size_t k = 0; k < placedBodies(); ++k) placed_[k] = place(k, input, 0);
     const real pressed = lit(input.parameters->hair_radius);
     real own[kPlacedBodies];
     for (int i = 1; i < block_.vertices; ++i) {
       const real3 x = load3(block_.position, i);
       const real edge = length(x - load3(block_.position, i - 1));
       real nearest = lit(1e9);
-      for (size_t k = 0; k < kept(); ++k) {
-        // What is far off need not be known better than the vertex before tells.
+      for (size_t k = 0; k < placedBodies(); ++k) {
+        // Far from a body, the bound of the previous vertex less the edge is accurate enough.
         if (i > 1) own[k] = own[k] - edge;
         if (i > 1 && !anyTrue(!(own[k] > lit(kFarOff)))) {
-          limit(i, k) = static_cast<Scalar>(kFarOff);
+          separationBound(i, k) = static_cast<Scalar>(kFarOff);
         } else {
           own[k] = leastDistance(placed_[k], x) - pressed;
-          // A lane that is not a number must not hide the others' bodies.
-          limit(i, k) = leastOf(select(own[k] > lit(-1e9), own[k], lit(-1e9)));
+          // A NaN lane must not hide the bodies of the other lanes.
+          separationBound(i, k) = reduceMin(select(own[k] > lit(-1e9), own[k], lit(-1e9)));
         }
         nearest = min(nearest, own[k]);
       }
-      for (size_t k = kept(); k < kPlacedBodies; ++k) limit(i, k) = static_cast<Scalar>(1e9);
+      for (size_t k = placedBodies(); k < kPlacedBodies; ++k) separationBound(i, k) = static_cast<Scalar>(1e9);
       store(size() > kPlacedBodies ? lit(-1e9) : nearest, row(kNearest, i));
-      store(lit(0), row(kGone, i));
+      store(lit(0), row(kTravelled, i));
     }
   }
-  /// At the start of a substep, for vertex i, which is at x_start and would go to x. To be followed by lookAround().
-  void lookAhead(int i, const real3& x, const real3& x_start) {
+  /// Queues the query of vertex i, which is at x_start and would go to x. Call it at the start of a substep;
+  /// runContactQueries() must follow.
+  void queueContactQuery(int i, const real3& x, const real3& x_start) {
     planes_[i] = 0;
-    want(i, x, x_start, lit(0) < lit(1));
-    if (waiting_.count() >= kLanes) look();
+    queueQuery(i, x, x_start, lit(0) < lit(1));
+    if (queries_.count() >= kLanes) queryContacts();
   }
-  /// After the last of these: all have looked.
-  void lookAround() {
+  /// Runs all queued queries.
+  void runContactQueries() {
     const StepScope scope{StepPart::kContact};
-    while (waiting_.count() > 0) look();
+    while (queries_.count() > 0) queryContacts();
   }
-  /// In it, for vertex i of `lanes`, which has come to x.
-  void lookOn(int i, const real3& x, const real3& x_start, const mask& lanes) {
-    lookAgain(i, x, x_start, lanes, lit(0) < lit(0));
+  /// Within the substep: queries again for vertex i, now at x, in those of `lanes` whose cache is stale.
+  void requeryIfMoved(int i, const real3& x, const real3& x_start, const mask& lanes) {
+    requery(i, x, x_start, lanes, lit(0) < lit(0));
   }
-  /// At its end, the same; of `lanes` those too that may be in a body. Gives which of them are to be held out of it.
-  mask lookBack(int i, const real3& x, const real3& x_start, const mask& lanes) {
-    const mask near = planes_[i] > 0 ? lanes && gap(i, x) < lookMargin() : lit(0) < lit(0);
-    return lookAgain(i, x, x_start, lanes, near);
+  /// At the end of the substep: as requeryIfMoved(), and also in those of `lanes` that are nearer to a plane than
+  /// requeryMargin(). Returns the lanes that have queried, in which penetration must be resolved.
+  mask requeryIfMovedOrNear(int i, const real3& x, const real3& x_start, const mask& lanes) {
+    const mask near = planes_[i] > 0 ? lanes && gap(i, x) < requeryMargin() : lit(0) < lit(0);
+    return requery(i, x, x_start, lanes, near);
   }
-  /// How far it is from x_start to x, at most, seen from whatever body.
-  real wayAlong(const real3& x, const real3& x_start) const {
+  /// Relative travel: upper bound of the distance from x_start to x as seen from any body, m.
+  real relativeTravel(const real3& x, const real3& x_start) const {
     real most = lit(0);
     for (size_t m = 0; m < motions_; ++m) {
       const Motion& motion = motion_[m];
@@ -136,43 +145,43 @@ class NearBodies {
     }
     return most;
   }
-  /// In this substep it has gone so far.
-  void goOn(int i, const real& way) { store(load(row(kGone, i)) + way, row(kGone, i)); }
-  bool sees(int i) const { return planes_[i] > 0; }
-  /// How far x is from what vertex i sees, m, at most contactReach().
+  /// Adds `way`, m, to the travel of vertex i since the start of the step.
+  void addTravel(int i, const real& way) { store(load(row(kTravelled, i)) + way, row(kTravelled, i)); }
+  bool hasContactPlane(int i) const { return planes_[i] > 0; }
+  /// Gap of vertex i at x to its nearest contact plane, m, at most contactReach().
   real gap(int i, const real3& x) const {
     real nearest = contactReach();
     for (int n = 0; n < planes_[i]; ++n) nearest = min(dot(get3(kNormal + n * kPlaneRows, i), x) - get(offsetOf(n), i), nearest);
     return nearest;
   }
-  /// What plane number n of those that vertex i sees is to it at x, without the strand's factor of friction.
-  Touch plane(int n, int i, const real3& x) const {
+  /// Contact plane number n of vertex i at x, without the strand's friction factor.
+  ContactPlane plane(int n, int i, const real3& x) const {
     const int at = n * kPlaneRows;
     const real3 normal = get3(kNormal + at, i);
     return {dot(normal, x) - get(kOffset + at, i), normal, get3(kCarried + at, i), get(kFriction + at, i)};
   }
-  /// The square of how far what is near vertex i at x takes a point that was at x_start in this substep, m^2; less
-  /// of what is less near.
+  /// Square of the greatest distance by which nearby bodies carry a point from x_start in this substep, m^2, for vertex
+  /// i at x. Each distance is weighted by the body's nearness().
   real carried2(int i, const real3& x, const real3& x_start) const {
     real most = lit(0);
     for (int n = 0; n < planes_[i]; ++n) {
-      const Touch own = plane(n, i, x);
+      const ContactPlane own = plane(n, i, x);
       const real near = nearness(own.gap);
       const real3 way = (own.carried - x_start) * near;
       most = select(near > lit(0), max(most, dot(way, way)), most);
     }
     return most;
   }
-  /// Lanes in which vertex i sees two planes.
-  mask seesTwo(int i) const {
+  /// Lanes in which vertex i has two contact planes.
+  mask hasTwoContactPlanes(int i) const {
     if (planes_[i] < 2) return lit(0) < lit(0);
     return min(get(offsetOf(0), i), get(offsetOf(1), i)) > lit(kNoPlane);
   }
-  /// What the bodies that vertex i sees are to it at x.
-  Touch touch(int i, const real3& x) const {
-    Touch nearest = untouched(x, contactReach());
+  /// Deepest contact plane of vertex i at x, with the strand's friction factor.
+  ContactPlane deepestPlane(int i, const real3& x) const {
+    ContactPlane nearest = noContact(x, contactReach());
     for (int n = 0; n < planes_[i]; ++n) {
-      const Touch own = plane(n, i, x);
+      const ContactPlane own = plane(n, i, x);
       nearest = chosen(own.gap < nearest.gap, own, nearest);
     }
     nearest.friction = nearest.friction * groomingFactor(block_, kFrictionScale, i);
@@ -181,25 +190,26 @@ class NearBodies {
 
  private:
   static constexpr size_t kMost = 64;
-  static constexpr double kFarOff = 0.01;       // m, more than most vertices go in a step
-  static_assert(kPlacedBodies % kLanes == 0);  // limits are read by vectors
+  static constexpr double kFarOff = 0.01;       // m, more than most vertices travel in a step
+  static_assert(kPlacedBodies % kLanes == 0);  // bounds are read as vectors
 
   const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? candidate(i) : near_[i]]; }
-  size_t kept() const { return std::min<size_t>(size(), kPlacedBodies); }
+  size_t placedBodies() const { return std::min<size_t>(size(), kPlacedBodies); }
   size_t candidates() const { return is_listed_ ? listed_.size() : bodies_.size(); }
   uint32_t candidate(size_t i) const { return is_listed_ ? listed_[i] : static_cast<uint32_t>(i); }
 
-  // How far from every body vertex v must be.
+  // Clearance of vertex v from every body, m.
   real clearance(int v) const {
     const real radius = lit(input_->parameters->hair_radius);
     return block_.rest_distance == nullptr ? radius : min(radius, load(block_.rest_distance + size_t(v) * kLanes));
   }
 
-  // Roots that a body covers, deeper than they are at rest, hold vertices near them in it (clearanceInReach). Of a placed body
-  // that is known anew in the substeps in which it may have come over some of them.
+  // A body that covers a root more deeply than at rest keeps vertices near that root inside it (clearanceInReach). The
+  // depths of a placed body are recomputed only in substeps in which it may have reached a root.
 
   real firstEdge() const { return load(block_.rest_length + at(0, 0)); }
-  // How much deeper in the body roots are than their clearance asks, m; of those that are in none at most 0, and at least that.
+  // Depth of the roots in a body beyond their clearance, m. For roots outside the body the result is at most 0 and a
+  // lower bound.
   real rootDepths(const SubstepBody& body) const {
     const real clear = clearance(0);
     if (body.kind != PrimitiveKind::kPlane) {
@@ -208,13 +218,13 @@ class NearBodies {
     }
     return clear - surfaceAt(body, roots_, pushedByNothing(), lit(0) < lit(1)).distance;
   }
-  // Of vertex i, from the root, m.
+  // Arc length of vertex i from its root, m.
   real arcLength(int i) const {
     real sum = lit(0);
     for (int e = 0; e < i; ++e) sum = sum + load(block_.rest_length + at(0, e));
     return sum;
   }
-  // `clear` of these vertices, of `lanes`, for a body in which their strands' roots are so deep.
+  // clearanceInReach() of the vertices `numbers` (row x kLanes + lane), of `lanes`, for a body with these root depths.
   [[gnu::noinline]] real clearInReach(const real& clear, const Scalar* root_depths, const uint32_t* numbers, const mask& lanes) const {
     alignas(64) Scalar depths[kLanes] = {}, arcs[kLanes] = {};
     forLanes(lanes, [&](int lane) {
@@ -224,19 +234,20 @@ class NearBodies {
     });
     return clearanceInReach(clear, load(depths), load(arcs));
   }
-  // Calls work(body, depths of the roots) for placed bodies, as bits, and for all others; without depths where nothing comes of them.
+  // Calls work(body, root depths) for the placed bodies of the bit mask `placed` and for all bodies that are not
+  // placed. Depths are null if they change nothing.
   template <class Work>
   void forBodies(uint32_t placed, const Work& work) const {
     for (; placed != 0; placed &= placed - 1) {
       const int k = std::countr_zero(placed);
       work(placed_[k], (covered_ >> k & 1) != 0 ? root_depths_[k] : nullptr);
     }
-    for (size_t k = kept(); k < size(); ++k) {
+    for (size_t k = placedBodies(); k < size(); ++k) {
       const SubstepBody body = place(k, *input_, time_);
       alignas(64) Scalar depths[kLanes];
       const real own = rootDepths(body);
       store(own, depths);
-      work(body, anyTrue(wayOutOf(own) > firstEdge()) ? depths : nullptr);
+      work(body, anyTrue(exitArcLength(own) > firstEdge()) ? depths : nullptr);
     }
   }
 
@@ -246,10 +257,10 @@ class NearBodies {
     return bodyAt(body(i), words, time, 1.0 / p.substeps, static_cast<double>(p.time_step) / p.substeps, p.hair_radius);
   }
 
-  // kNearest: the least limit; kLookedFrom: where it looked last. Of a plane its normal, what that makes of its points,
-  // Touch::carried and friction.
+  // Rows of the contact cache. kTravelled: travel since the start of the step; kNearest: least separation bound;
+  // kQueryPoint: newest query point. Per plane: normal, normal . point of the plane, ContactPlane::carried, friction.
   enum ContactRow : int {
-    kGone, kNearest, kLookedFrom, kPlanes = kLookedFrom + 3,
+    kTravelled, kNearest, kQueryPoint, kPlanes = kQueryPoint + 3,
     kNormal = kPlanes, kOffset = kNormal + 3, kCarried, kFriction = kCarried + 3, kPlanesEnd
   };
   static constexpr int kPlaneRows = kPlanesEnd - kPlanes, kMostPlanes = 2;
@@ -258,93 +269,93 @@ class NearBodies {
   real get(int plane, int i) const { return load(row(plane, i)); }
   real3 get3(int plane, int i) const { return {get(plane, i), get(plane + 1, i), get(plane + 2, i)}; }
   static constexpr int offsetOf(int n) { return kOffset + n * kPlaneRows; }  // of plane number n
-  static constexpr double kNoPlane = -1e9;                                   // m, the offset of a plane that is none
-  // Of body k at the start of the step, the least of all lanes.
-  Scalar& limit(int i, size_t k) const { return limits_[static_cast<size_t>(i) * kPlacedBodies + k]; }
-  // Of `those`, who is far from where it has looked from, and `others` of them.
-  mask lookAgain(int i, const real3& x, const real3& x_start, const mask& those, const mask& others) {
-    const real3 off = x - get3(kLookedFrom, i);
-    const mask lanes = those && (dot(off, off) > lookReach() * lookReach() || others);
+  static constexpr double kNoPlane = -1e9;                                   // m, offset of a plane that does not exist
+  // Separation bound of body k at the start of the step for row i: the least of all lanes.
+  Scalar& separationBound(int i, size_t k) const { return separation_bounds_[static_cast<size_t>(i) * kPlacedBodies + k]; }
+  // Queries again in those lanes of `those` that are far from their query point, and in `others`. Returns these lanes.
+  mask requery(int i, const real3& x, const real3& x_start, const mask& those, const mask& others) {
+    const real3 off = x - get3(kQueryPoint, i);
+    const mask lanes = those && (dot(off, off) > queryReach() * queryReach() || others);
     if (anyTrue(lanes)) {
       for (int n = 0; n < planes_[i]; ++n) store(select(lanes, lit(kNoPlane), get(offsetOf(n), i)), row(offsetOf(n), i));
-      want(i, x, x_start, lanes);
-      lookAround();
+      queueQuery(i, x, x_start, lanes);
+      runContactQueries();
     }
     return lanes;
   }
-  // Vertex i, of `lanes`, is to look from x. Those wait that may see something.
-  void want(int i, const real3& x, const real3& x_start, const mask& lanes) {
-    const real way = wayAlong(x, x_start), gone = get(kGone, i), nearest = get(kNearest, i);
-    const real3 from = select(lanes, x, get3(kLookedFrom, i));
-    store(from.x, row(kLookedFrom, i));
-    store(from.y, row(kLookedFrom + 1, i));
-    store(from.z, row(kLookedFrom + 2, i));
-    const real ahead = gone + way + reachAlong(way);
+  // Queues the query of vertex i from x in `lanes`, unless separation bounds exclude every body.
+  void queueQuery(int i, const real3& x, const real3& x_start, const mask& lanes) {
+    const real way = relativeTravel(x, x_start), travelled = get(kTravelled, i), nearest = get(kNearest, i);
+    const real3 from = select(lanes, x, get3(kQueryPoint, i));
+    store(from.x, row(kQueryPoint, i));
+    store(from.y, row(kQueryPoint + 1, i));
+    store(from.z, row(kQueryPoint + 2, i));
+    const real ahead = travelled + way + reachAlong(way);
     const mask may_see = lanes && ahead >= nearest;
     if (!anyTrue(may_see)) return;
-    const Scalar farthest = -leastOf(select(may_see, lit(0) - ahead, lit(0)));
-    real others = lit(1e9);  // the limits of bodies that nobody in the row need look at
+    const Scalar farthest = -reduceMin(select(may_see, lit(0) - ahead, lit(0)));
+    real others = lit(1e9);  // least bound of the bodies that no lane of the row has to query
     uint32_t near = 0;
     for (int k = 0; k < kPlacedBodies; k += kLanes) {
-      const real limits = load(&limit(i, k));
-      const mask may_be_seen = limits <= lit(farthest);
+      const real bounds = load(&separationBound(i, k));
+      const mask may_be_seen = bounds <= lit(farthest);
       near |= laneBits(may_be_seen) << k;
-      others = min(others, select(may_be_seen, others, limits));
+      others = min(others, select(may_be_seen, others, bounds));
     }
-    wanted_ |= near;
-    waiting_.add(i, {x, x_start, way, gone, max(nearest, lit(leastOf(others))), clearance(i)}, may_see);
+    queried_bodies_ |= near;
+    queries_.add(i, {x, x_start, way, travelled, max(nearest, lit(reduceMin(others))), clearance(i)}, may_see);
   }
-  static real reachAlong(const real& way) { return madd(way, lit(0.5), lookReach()); }
+  static real reachAlong(const real& way) { return madd(way, lit(0.5), queryReach()); }
 
-  // A vector of those that wait looks. By itself, so that sweeps of hair that is near no body stay small.
-  [[gnu::noinline]] void look() {
-    WaitingLooks::Look at;
+  // Runs one vector of queued queries. Not inlined, so that sweeps of strands far from bodies stay small.
+  [[gnu::noinline]] void queryContacts() {
+    ContactQueryBatch::Query at;
     alignas(64) uint32_t numbers[kLanes];
-    const int count = waiting_.take(at, numbers);
+    const int count = queries_.take(at, numbers);
     const mask lanes = firstLanes(count);
     const real reach = reachAlong(at.way);
-    Touch first = untouched(at.x, reach), second = first;
+    ContactPlane first = noContact(at.x, reach), second = first;
     real nearest = at.others;
-    auto lookAt = [&](const SubstepBody& body, const Scalar* root_depths) {
-      Touch own = untouched(at.x, reach);
+    auto visit = [&](const SubstepBody& body, const Scalar* root_depths) {
+      ContactPlane own = noContact(at.x, reach);
       real clear = at.clear;
       if (root_depths != nullptr) clear = clearInReach(clear, root_depths, numbers, lanes);
-      real gap = meet(body, at.x, at.x_start, clear, reach, lanes, own);
-      if (root_depths != nullptr) gap = gap - (at.clear - clear);  // the root may come out of it
+      real gap = closestContact(body, at.x, at.x_start, clear, reach, lanes, own);
+      if (root_depths != nullptr) gap = gap - (at.clear - clear);  // the root may leave it
       if (anyTrue(own.gap < second.gap)) {
         const mask nearer = own.gap < first.gap;
         second = chosen(nearer, first, chosen(own.gap < second.gap, own, second));
         first = chosen(nearer, own, first);
       }
-      nearest = min(nearest, gap + at.gone - at.way);  // the gap is at x, which it has not gone to yet
+      nearest = min(nearest, gap + at.travelled - at.way);  // the gap is at x, to which it has not travelled yet
     };
-    forBodies(wanted_, lookAt);
-    if (waiting_.count() == 0) wanted_ = 0;
-    const real rows[1] = {size() > kPlacedBodies ? lit(-1e9) : nearest};  // of bodies that are not placed nothing is known
+    forBodies(queried_bodies_, visit);
+    if (queries_.count() == 0) queried_bodies_ = 0;
+    const real rows[1] = {size() > kPlacedBodies ? lit(-1e9) : nearest};  // bodies that are not placed have no bound
     scatter(rows, kNearest, numbers, lanes);
     const mask sees_one = lanes && first.gap < reach, sees_two = lanes && second.gap < reach;
     const real room = pinch(first.gap, first.normal, second.gap, second.normal);
     first.gap = first.gap + room;
     second.gap = second.gap + room;
-    keepPlane(0, first, at.x, numbers, sees_one);
-    keepPlane(1, second, at.x, numbers, sees_two);
+    storePlane(0, first, at.x, numbers, sees_one);
+    storePlane(1, second, at.x, numbers, sees_two);
   }
-  // Plane number n of these vertices, of `lanes`.
-  void keepPlane(int n, const Touch& touch, const real3& x, const uint32_t* numbers, const mask& lanes) {
+  // Stores contact plane number n of the vertices `numbers`, of `lanes`.
+  void storePlane(int n, const ContactPlane& plane, const real3& x, const uint32_t* numbers, const mask& lanes) {
     if (!anyTrue(lanes)) return;
     forLanes(lanes, [&](int lane) {
       const uint32_t i = numbers[lane] / kLanes;
       if (planes_[i] > n) return;
       planes_[i] = static_cast<uint8_t>(n + 1);
-      // In the other lanes there is none: whatever the rows hold would be taken for its normal.
+      // Other lanes have no plane n: clear the rows, whose old contents would be taken for a normal.
       for (int c = 0; c < 3; ++c) store(lit(0), row(kNormal + n * kPlaneRows + c, static_cast<int>(i)));
       store(lit(kNoPlane), row(offsetOf(n), static_cast<int>(i)));
     });
-    const real rows[kPlaneRows] = {touch.normal.x,  touch.normal.y,  touch.normal.z,  dot(touch.normal, x) - touch.gap,
-                                   touch.carried.x, touch.carried.y, touch.carried.z, touch.friction};
+    const real rows[kPlaneRows] = {plane.normal.x,  plane.normal.y,  plane.normal.z,  dot(plane.normal, x) - plane.gap,
+                                   plane.carried.x, plane.carried.y, plane.carried.z, plane.friction};
     scatter(rows, kPlanes + n * kPlaneRows, numbers, lanes);
   }
-  // To rows of these vertices from `plane` on, of `lanes`.
+  // Writes values to the rows from `plane` on of the vertices `numbers`, of `lanes`.
   template <size_t kRows>
   void scatter(const real (&values)[kRows], int plane, const uint32_t* numbers, const mask& lanes) {
     alignas(64) Scalar columns[kRows][kLanes];
@@ -355,7 +366,8 @@ class NearBodies {
     });
   }
 
-  // How the points of a body move in a substep: by turn x point + shift, to `slack` where the strands are.
+  // Displacement field of a body in a substep: turn x point + shift, with an error of at most `slack` (m) where the
+  // strands are.
   struct Motion {
     Scalar turn[3][3], shift[3], slack;
   };
@@ -377,13 +389,13 @@ class NearBodies {
       out.shift[r] = body.a_motion[r];
       for (int c = 0; c < 3; ++c) out.shift[r] -= out.turn[r][c] * (body.a[c] - body.a_motion[c]);
     }
-    // Of the third order: what carriedBy() leaves out, and that interpolateRotation() is not even.
+    // Third-order terms: what carriedBy() omits, and the uneven speed of interpolateRotation().
     const Scalar turn = std::sqrt(w2) * substeps;
     out.slack = turn * turn * turn / 60 * (std::sqrt(off2) + static_cast<Scalar>(radius_));
     if (isBent(body)) out.slack += movingBendOf(body).shift * body.part;
     return out;
   }
-  // How much farther one moves points than the other, at most.
+  // Upper bound of the difference of two displacement fields, m, where the strands are.
   Scalar difference(const Motion& a, const Motion& b) const {
     Scalar turn2 = 0, shift2 = 0;
     for (int r = 0; r < 3; ++r) {
@@ -397,11 +409,11 @@ class NearBodies {
     }
     return std::sqrt(shift2) + std::sqrt(turn2) * static_cast<Scalar>(radius_);
   }
-  // Of the placed bodies, one for those that move alike.
+  // Collects the motions of the placed bodies; bodies with nearly equal motions share one.
   void noteMotions() {
     constexpr Scalar kAlike = static_cast<Scalar>(1e-4);  // m
     motions_ = 0;
-    for (size_t k = 0; k < kept(); ++k) {
+    for (size_t k = 0; k < placedBodies(); ++k) {
       const Motion own = motionOf(placed_[k], static_cast<Scalar>(input_->parameters->substeps));
       Motion* known = nullptr;
       for (size_t m = 0; m < motions_ && known == nullptr; ++m)
@@ -411,9 +423,9 @@ class NearBodies {
     }
   }
 
-  // Whether the strands only move as their velocities say: no edge is stretched or stands across its frame, as after an
-  // upload of some other state. Only the rod keeps its lengths.
-  static bool calm(const Block& b, const StepInput& input) {
+  // Whether strands move only as their velocities say: no edge is stretched or deviates from its frame, as after an
+  // upload of another state. False for gauss_seidel, which does not keep lengths.
+  static bool movesByVelocity(const Block& b, const StepInput& input) {
     if (input.parameters->solver != SolverKind::kRod) return false;
     for (int e = 0; e + 1 < b.vertices; ++e) {
       const real3 edge = load3(b.position, e + 1) - load3(b.position, e);
@@ -427,7 +439,8 @@ class NearBodies {
     return true;
   }
 
-  // Where vertices may come in the step: twice as far from where they are as their speed and their root's motion say.
+  // Box that holds all vertices in the step: twice as far from their positions as their speeds, forces and root motion
+  // say.
   static Box reach(const Block& b, const StepInput& input) {
     real3 low = load3(b.position, 0), high = low;
     real speed2 = lit(0), length = lit(0), pushed2 = lit(0);
@@ -447,9 +460,9 @@ class NearBodies {
     const double dt = parameters.time_step;
     const double pulled = parameters.gravity.norm() + 2 * parameters.air_drag * parameters.wind.norm();  // m/s^2
     const double blown = b.grooming != nullptr ? parameters.wind.norm() * dt : 0;  // m, with any drag
-    // Part of the way to their goals, which are no farther than twice their length and where the root goes.
+    // Fraction of the distance to their goals, which is at most twice their length plus the root's displacement.
     const double drawn = std::min(1.0, 0.5 * std::pow(parameters.goal_rate * dt, 2));
-    // 4 sqrt(1 - cosine) is more than the angle.
+    // 4 sqrt(1 - cosine) is an upper bound of the rotation angle.
     const real swung = sqrt(lit(1) - cosine) * lit(4) * length;
     real far = lit(2) * (sqrt(speed2) * lit(dt) + sqrt(dot(moved, moved)) + swung + length * lit(2 * drawn) +
                           lit(0.5 * dt * dt * pulled + blown));
@@ -465,13 +478,13 @@ class NearBodies {
       for (int corner = 0; corner < 6; corner += 3)
         box.extend(Vec3(static_cast<float>(lanes[corner][lane]), static_cast<float>(lanes[corner + 1][lane]),
                         static_cast<float>(lanes[corner + 2][lane])));
-    const float radius = parameters.hair_radius + kLookReach;
+    const float radius = parameters.hair_radius + kQueryReach;
     box.min().array() -= radius;
     box.max().array() += radius;
     return box;
   }
 
-  static bool meets(const MovingPrimitive& body, const Box& box) {
+  static bool mayReach(const MovingPrimitive& body, const Box& box) {
     if (body.kind == static_cast<uint32_t>(PrimitiveKind::kPlane)) {
       auto below = [&](const Vec3& point, const Vec3& normal) {
         return (box.center() - point).dot(normal) < 0.5f * box.sizes().dot(normal.cwiseAbs());
@@ -491,17 +504,17 @@ class NearBodies {
   SubstepBody placed_[kPlacedBodies];
   Motion motion_[kPlacedBodies];
   size_t motions_ = 0;
-  Vec3 middle_ = Vec3::Zero();  // m, of a box that holds the strands throughout the step
-  float radius_ = 0;            // m, of a ball about it
+  Vec3 middle_ = Vec3::Zero();  // m, centre of a box that holds the strands throughout the step
+  float radius_ = 0;            // m, radius of its bounding ball
   real3 roots_ = makeReal3(lit(0), lit(0), lit(0));
-  uint32_t covered_ = 0;  // the placed bodies that cover some root, as bits; then root_depths_ has how deeply
+  uint32_t covered_ = 0;  // bit mask of placed bodies that cover some root; root_depths_ has the depths of these
   alignas(64) Scalar root_depths_[kPlacedBodies][kLanes];
-  Scalar root_rooms_[kPlacedBodies];  // m, how far a body has to go at the least to do so
+  Scalar root_bounds_[kPlacedBodies];  // m, separation bound of the roots from covering, per placed body
   bool known_roots_ = false;
-  Scalar *rows_ = nullptr, *limits_ = nullptr;
-  WaitingLooks waiting_;
-  uint32_t wanted_ = 0;  // the placed bodies that some of them have to look at, as bits
-  uint8_t planes_[kMaxVerticesPerStrand];  // that any lane of the vertex has in this substep
+  Scalar *rows_ = nullptr, *separation_bounds_ = nullptr;
+  ContactQueryBatch queries_;
+  uint32_t queried_bodies_ = 0;  // bit mask of placed bodies that some queued query needs
+  uint8_t planes_[kMaxVerticesPerStrand];  // contact planes that any lane of the vertex has in this substep
   const StepInput* input_ = nullptr;
   double time_ = 0;
 };

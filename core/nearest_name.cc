@@ -26,7 +26,7 @@ size_t editDistance(const std::string& a, const std::string& b) {
 
 std::string didYouMean(const std::string& name, std::span<const std::string> names) {
   const std::string* nearest = nullptr;
-  size_t fewest = (name.size() + 2) / 3;  // more edits make another name of it
+  size_t fewest = (name.size() + 2) / 3;  // with more edits it is a different name
   for (const std::string& known : names) {
     const size_t edits = editDistance(known, name);
     if (edits > fewest || (nearest != nullptr && edits == fewest)) continue;

@@ -4,8 +4,8 @@
 
 namespace strandcast {
 
-/// "did you mean 'wind'?" of the one of `names` that takes the fewest single-character edits to become `name`
-/// (Levenshtein 1966), the first of several; empty where none is near.
+/// Suggestion "did you mean 'wind'?": the entry of `names` with the fewest single-character edits to `name`
+/// (Levenshtein 1966), the first one of several. Empty if none is near.
 std::string didYouMean(const std::string& name, std::span<const std::string> names);
 
 }  // namespace strandcast

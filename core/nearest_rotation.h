@@ -3,7 +3,7 @@
 
 namespace strandcast {
 
-/// The rotation nearest to a matrix of finite numbers.
+/// Rotation nearest to a matrix of finite numbers.
 Quat nearestRotation(const Eigen::Matrix3d& matrix);
 
 }  // namespace strandcast

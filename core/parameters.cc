@@ -36,59 +36,65 @@ const std::vector<Entry>& entries() {
   using P = Parameters;
   static const std::vector<Entry> list = {
       scalar("time_step", "s", 1e-5, 1.0 / 30, "1e-5 to 1/30",
-             "length of a simulation step; below 1/4000 s the rod's rounding shows, but in double",
+             "length of a simulation step; below 1/4000 s the rod has visible rounding errors in single "
+             "precision",
              &P::time_step),
-      scalar("substeps", "", 1, 64, "1 to 64",
-             "solver passes per step; the rod takes none longer than 1/60 s, or shorter than 1/4000 s where "
-             "the step is not",
-             &P::substeps),
+      scalar(
+          "substeps", "", 1, 64, "1 to 64",
+          "solver passes per step; the rod keeps each from 1/4000 s (unless the step is shorter) to 1/60 s",
+          &P::substeps),
       scalar("iterations", "", 1, 64, "1 to 64", "constraint sweeps per substep", &P::iterations),
-      vector("gravity", "m/s^2", "acceleration of everything", static_cast<double>(kStrongestGravity),
+      vector("gravity", "m/s^2", "acceleration of all hair", static_cast<double>(kStrongestGravity),
              &P::gravity),
       vector("wind", "m/s", "uniform velocity of the air", 100, &P::wind),
-      scalar("air_drag", "1/s", 0, 1000, "0 to 1000", "rate at which hair takes on the air's velocity",
+      scalar("air_drag", "1/s", 0, 1000, "0 to 1000", "rate at which hair approaches the air's velocity",
              &P::air_drag),
       scalar("shape_rate", "1/s", 0, 1e6, "0 to 1e6",
-             "rate at which the groomed shape is restored at the root", &P::shape_rate),
-      scalar("shape_rate_tip", "1/s", 0, 1e6, "0 to 1e6", "the same at the tip", &P::shape_rate_tip),
+             "rate at which the groomed shape is restored, at the root", &P::shape_rate),
+      scalar("shape_rate_tip", "1/s", 0, 1e6, "0 to 1e6",
+             "rate at which the groomed shape is restored, at the tip", &P::shape_rate_tip),
       scalar("damping_time", "s", 0, 1, "0 to 1",
-             "internal damping of the rod: damping ratio = omega x this / 2", &P::damping_time),
+             "internal damping of the rod: damping ratio = omega x damping_time / 2", &P::damping_time),
       scalar("goal_rate", "1/s", 0, 1000, "0 to 1000",
-             "pull towards the rest shape as the root carries it: acceleration this^2 x distance; 0 = off",
+             "spring towards the rest shape as the root carries it: acceleration = goal_rate^2 x distance; 0 "
+             "= off",
              &P::goal_rate),
       scalar("hair_radius", "m", 0, static_cast<double>(kThickestHair), "0 to 0.01",
              "distance kept between a hair's axis and every body", &P::hair_radius),
       scalar("grid_cells", "", 16, 128, "16 to 128, a multiple of 16",
              "cells per axis of the grids of air and of hair", &P::grid_cells, 16),
       scalar("wind_grid", "", 0, 1, "0 or 1",
-             "1: wind flows through a grid, and bodies and hair block it; 0: nothing does", &P::wind_grid),
+             "1: wind flows through a grid, in which bodies and hair block it; 0: nothing blocks it",
+             &P::wind_grid),
       scalar("mac_cormack", "", 0, 1, "0 or 1", "1: less numerical viscosity of the air, at more cost",
              &P::mac_cormack),
       scalar("air_viscosity", "m^2/s", 0, 0.01, "0 to 0.01", "kinematic viscosity of the air on the grid",
              &P::air_viscosity),
-      scalar("air_drag_along", "", 0, 1, "0 to 1",
-             "drag of the air along a strand over that across it, and of strands on the air; thin rods: 0.5",
-             &P::air_drag_along),
+      scalar(
+          "air_drag_along", "", 0, 1, "0 to 1",
+          "drag along a strand over drag across it, of air on strands and of strands on air; thin rods: 0.5",
+          &P::air_drag_along),
       scalar("hairs_per_strand", "", 0, 1e4, "0 to 1e4",
-             "hairs that a strand stands for where it holds the air back", &P::hairs_per_strand),
-      scalar("gust", "", 0, 2, "0 to 2", "rms of gusts over the speed of the wind", &P::gust),
+             "number of hairs that a strand represents in its drag on the air", &P::hairs_per_strand),
+      scalar("gust", "", 0, 2, "0 to 2", "rms speed of gusts over the speed of the wind", &P::gust),
       scalar("gust_period", "s", 0.1, 1000, "0.1 to 1000", "period of the slowest gust", &P::gust_period),
-      scalar("turbulence", "", 0, 2, "0 to 2", "rms of each component of turbulence over the wind's speed",
-             &P::turbulence),
+      scalar("turbulence", "", 0, 2, "0 to 2",
+             "rms speed of each component of turbulence over the speed of the wind", &P::turbulence),
       scalar("turbulence_length", "m", 0.01, 100, "0.01 to 100", "size of the largest eddies",
              &P::turbulence_length),
-      scalar("wind_seed", "", 0, 1e6, "0 to 1e6", "of gusts and turbulence", &P::wind_seed),
+      scalar("wind_seed", "", 0, 1e6, "0 to 1e6", "seed of gusts and turbulence", &P::wind_seed),
       scalar("volume_stiffness", "m^2/s^2", 0, 100, "0 to 100",
-             "hair denser than at rest is pushed apart; square of the speed of its pressure waves; 0 = off",
+             "pressure that pushes apart hair denser than at rest: square of the speed of pressure waves; 0 "
+             "= off",
              &P::volume_stiffness),
       scalar("volume_hold", "1/s", 0, 10, "0 to 10",
-             "rate at which a further push grows while hair stays denser than at rest, so that a lasting "
-             "load does not press it together",
+             "rate at which that pressure grows while hair stays denser than at rest, so that a lasting load "
+             "does not compress it",
              &P::volume_hold),
-      scalar("volume_target", "", 0.1, 10, "0.1 to 10", "volume that hair keeps over that at rest",
-             &P::volume_target),
+      scalar("volume_target", "", 0.1, 10, "0.1 to 10",
+             "volume that hair keeps, relative to its volume at rest", &P::volume_target),
       scalar("hair_friction", "1/s", 0, 1000, "0 to 1000",
-             "rate at which hair takes on the mean velocity of the hair around it; 0 = off",
+             "rate at which hair approaches the mean velocity of the hair around it; 0 = off",
              &P::hair_friction),
   };
   return list;
@@ -103,13 +109,13 @@ const Entry& entry(const std::string& name, const std::string& where) {
   std::string advice = didYouMean(name, names);
   if (advice.empty()) advice = "`strandcastd --help` lists them";
   for (const MaterialSettingInfo& setting : materialSettingList())
-    if (setting.name == name) advice = "it is of the hair's material: --material all:" + name + "=VALUE";
+    if (setting.name == name) advice = "it belongs to the hair's material: --material all:" + name + "=VALUE";
   throw Error("unknown parameter '" + name + "'", where, advice);
 }
 
 void checkRange(const Entry& e, const std::vector<double>& value, const std::string& where) {
   const ParameterInfo& info = e.info;
-  // The limits themselves are in the range, as floats too.
+  // The limits are valid as floats, too.
   const double least = info.low - 1e-6 * std::fabs(info.low) - 1e-12;
   const double most = info.high + 1e-6 * std::fabs(info.high);
   for (double v : value) {

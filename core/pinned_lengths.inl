@@ -1,6 +1,7 @@
-// Lengths between pins. Included in core/rod_sweep.inl.
+// Strands between pins: tautness and exact lengths. Included in core/rod_sweep.inl.
 
-// The most tautness() of what is between two pins, as they are held at the end of the step; 1 where there is none.
+// Greatest tautness() between any two pins of a strand, for the pin positions at the end of the step; 1 if nothing
+// hangs between pins.
 inline real RodStep::mostTautness() const {
   real most = lit(1), length = lit(0);  // since the last pin
   if (!b.pinned) return most;
@@ -18,15 +19,16 @@ inline real RodStep::mostTautness() const {
   return most;
 }
 
-// Exact lengths from one pin on miss the next one: what lacks there is shared by the edges between the two, by their lengths. Left to the last
-// edge, a taut strand that was shaken stayed crumpled, with that edge as long as all others.
+// Distributes what exact lengths miss at a pin over the edges since the last pin, in proportion to their rest lengths.
+// With all of it on the last edge, a taut strand that was shaken stayed crumpled, and that edge became as long as all
+// others together.
 [[gnu::noinline]] inline void RodStep::shareMissing() {
   real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in;
   real length = lit(0);  // since the last pin
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  Pulls pulls(*this);
+  TensionShifts tensions(*this);
   for (int e = 0; e < ne; ++e) {
-    const real3 old = state3(b.position, e + 1), pulled = pulls.shifted(e), advance = pulled - pulled_in;
+    const real3 old = state3(b.position, e + 1), pulled = tensions.shifted(e), advance = pulled - pulled_in;
     shift = shift + advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
     length = length + lengthOf(e);
     const mask pinned = !(weight(e + 1) > lit(0));

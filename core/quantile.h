@@ -5,7 +5,7 @@
 
 namespace strandcast {
 
-/// The smallest of `values` below which this part of them lies, 0 to 1; 0 where there are none.
+/// Quantile: smallest of `values` below which the fraction `part` of them lies, 0 to 1. 0 without values.
 inline double quantileOf(std::vector<double> values, double part) {
   if (values.empty()) return 0;
   const size_t place =

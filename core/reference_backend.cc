@@ -27,7 +27,7 @@ void sweep(const BlockView<double>& block, const StepInput& input, double* scrat
   kernels::f64::stepBlock(block, input, scratch);
 }
 
-/// One strand after another, one number at a time.
+/// Steps one strand after another, one number at a time.
 template <class Scalar>
 class ScalarBackend final : public Backend {
  public:
@@ -41,7 +41,7 @@ class ScalarBackend final : public Backend {
     guides_.resize(model.vertices());
     upload(state);
   }
-  void expect(const Parameters& parameters, bool bodies) override { store_.expect(parameters, bodies); }
+  void prepare(const Parameters& parameters, bool bodies) override { store_.prepare(parameters, bodies); }
   void upload(const StrandState& state) override {
     store_.upload(state);
     readGuides();
@@ -49,14 +49,14 @@ class ScalarBackend final : public Backend {
   void download(StrandState& state) override { store_.download(state); }
 
   void step(const StepInput& input) override {
-    expect(*input.parameters, !input.primitives.empty());
+    prepare(*input.parameters, !input.primitives.empty());
     for (size_t b = 0; b < store_.blocks(); ++b)
       sweep(store_.block(b, input, scratch_.data()), input, scratch_.data());
     readGuides();
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
-  void expectAccelerations() override { velocities_.resize(guides_.size()); }
+  void prepareAccelerations() override { velocities_.resize(guides_.size()); }
   std::span<const Vec3> velocities() override {
     velocities_.resize(guides_.size());
     for (size_t b = 0; b < store_.blocks(); ++b) store_.readVelocities(b, velocities_);
@@ -71,7 +71,7 @@ class ScalarBackend final : public Backend {
   std::string name_, device_;
   BlockStore<Scalar> store_;
   std::vector<Scalar> scratch_;
-  std::vector<Vec3> guides_, velocities_;  ///< velocities: empty until accelerations are expected
+  std::vector<Vec3> guides_, velocities_;  ///< velocities: empty until prepareAccelerations()
 };
 
 }  // namespace

@@ -7,9 +7,9 @@
 
 namespace strandcast {
 
-/// What a strand of a material is like along its length, summed up over stretches of it: places are metres
-/// from the root. Joints and vertices stand for the stretch around them, not for the point where they are, or
-/// a curve that jumps between two edges would be known to an edge's length only.
+/// Mass and stiffness of a strand of a material, integrated over intervals of its length. Positions are in
+/// metres from the root. Joints and vertices represent the interval around them, not a point: otherwise the
+/// position of a step in a curve would be known only to an edge's length.
 class RodSections {
  public:
   RodSections(const Material& material, double length) : material_(material), length_(length) {
@@ -19,13 +19,13 @@ class RodSections {
     std::sort(knots_.begin(), knots_.end());
   }
 
-  /// kg
+  /// Mass of an interval, kg.
   double mass(double from, double to) const {
     return material_.density * (to - from) *
            mean(from, to, [&](float place) { return material_.density_scale.at(place) * area(place); });
   }
-  /// N m^2: what the stretch bends as by an even moment, which makes curvature as 1 / stiffness (the harmonic
-  /// mean).
+  /// Bending stiffness of an interval, N m^2: the harmonic mean, because a constant moment causes curvature
+  /// in proportion to 1 / stiffness.
   double bendingStiffness(double from, double to) const {
     return 1 / mean(from, to, [&](float place) {
              const double a = area(place), second_moment = a * a / (4 * kPi);
@@ -36,12 +36,13 @@ class RodSections {
  private:
   static constexpr double kPi = 3.14159265358979323846;
 
-  /// `place`: 0 (root) to 1 (tip).
+  /// Area of the cross section, m^2. `place`: 0 (root) to 1 (tip).
   double area(float place) const {
     const double r = material_.radius * material_.radius_scale.at(place);
     return kPi * r * r;
   }
-  /// Over what lies between two knots curves are linear: Gauss and Legendre's rule of three points.
+  /// Mean of a function over an interval. Curves are linear between knots; each such piece uses
+  /// Gauss-Legendre quadrature with three points.
   template <class Function>
   double mean(double from, double to, const Function& function) const {
     const double outer = std::sqrt(0.6);
@@ -65,7 +66,7 @@ class RodSections {
 
   const Material& material_;
   double length_;
-  std::vector<double> knots_;  ///< of the curves, m
+  std::vector<double> knots_;  ///< m from the root, of all curves
 };
 
 }  // namespace strandcast

@@ -1,31 +1,40 @@
-// One step of a block of strands as inextensible rods: docs/solver.md. Included after core/near_bodies.inl. Linearised at the
-// inertial point, with direct solves along the strand: twist (tridiagonal), bending (one pentadiagonal matrix for x, y, z),
-// lengths and tensions (tridiagonal). Each solve eliminates in one direction and substitutes in the other, so that they merge
-// into six sweeps. Violent motion takes more, for its tensions act through the bending matrix, and has its lengths solved again;
-// so have strands that a body is near.
+// One step of a block of strands as inextensible rods (Bergou et al. 2008). docs/solver.md derives the substep, and
+// comments cite its equations by number; kernels/rod.h has the formulas. Included after core/near_bodies.inl.
+//
+// A substep is linearised at the inertial point and solved directly along the strand: twist (tridiagonal), bending (one
+// pentadiagonal matrix for x, y and z), lengths and tensions (tridiagonal). Each solve eliminates in one direction and
+// substitutes in the other, so that they merge into six sweeps:
+//   predict            root to tip: inertial points, tangents, frames
+//   eliminateTwist     root to tip: joint strains, elimination of twist
+//   eliminateBending   tip to root: substitution of twist, forces, elimination of bending
+//   moveByForces       root to tip: substitution of bending, contact, elimination of lengths
+//   substituteLengths  tip to root: tension increments
+//   finish             root to tip: their displacements, exact lengths, velocities
+// Strands above the correction limit take more: their tension increments act through the bending matrix. They and
+// strands near a body have their lengths solved again (applyTensions, substituteLengths).
 
-// Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i. Vertices are told by their shifts
-// since the substep began, in small numbers: what is lost where positions are rounded would be taken for motion, and strands at
-// rest would walk at random on it.
+// Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i. Vertices are
+// represented by their shifts since the substep began, which are small: rounding of positions would act as motion, and
+// strands at rest would do a random walk.
 enum RodScratch : int {
   kShift = 0,         // 3
-  kTangent = 3,       // 3, later of the lengths
-  kStrain = 6,        // 3, of a joint, later the right-hand sides of bending
-  kShared = kStrain,  // 3, of an edge: its share of what exact lengths leave between pins, m
-  kNormal = 9,        // 3, of the contact at a vertex
-  kGained = 12,       // 3, strain that internal damping adds, per substep of the damping time
-  kResidual = kGained,     // excess lengths that the pulls of violent motion leave
-  kConjugate,              // the direction of these pulls
-  kCorrection,             // what the tridiagonal system makes of the residual
+  kTangent = 3,       // 3, of an edge; later of the length system
+  kStrain = 6,        // 3, of a joint; later the right-hand sides of bending
+  kShared = kStrain,  // 3, of an edge: its share of what exact lengths miss between pins, m
+  kNormal = 9,        // 3, of the contact plane at a vertex
+  kGained = 12,       // 3, bending strain that internal damping adds, per substep of the damping time
+  kResidual = kGained,     // length residuals of the dense metric
+  kConjugate,              // search direction of conjugate gradients
+  kCorrection,             // preconditioned residual
   kFactor1 = 15,      // elimination factors: of twist, later of bending
   kFactor2 = 16,
-  kBlend = kFactor2,  // of an edge, until the elimination of bending
+  kBlend = kFactor2,  // time blend of an edge, until the elimination of bending
   kPivot = 17,        // inverse pivots of bending
-  kRight = 18,        // right-hand sides of twist, later of lengths, then pulls
-  kSoftness = 19,     // of a vertex
-  kStiffness = 20,    // K of a joint
+  kRight = 18,        // right-hand sides of twist, later of lengths; then tension increments
+  kSoftness = 19,     // of a vertex, see curlSoftness()
+  kStiffness = 20,    // of a joint, see bendMatrixStiffness()
   kLengthFactor = kStiffness,
-  kMargin = 21,       // G of a joint
+  kMargin = 21,       // of a joint, see bendMatrixMargin()
   kLengthPivot = kMargin,  // inverse pivots of lengths
   kRodScratchPlanes = 22
 };
@@ -58,7 +67,7 @@ class RodStep {
     findTraits();
     if (among_bodies_) {
       noteForces();
-      near_.measureRooms(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
+      near_.findSeparationBounds(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
     }
     for (int substep = 0; substep < p.substeps; ++substep) {
       const double time = (substep + 1.0) / p.substeps;
@@ -69,25 +78,25 @@ class RodStep {
       predict(root, time);
       eliminateTwist();
       eliminateBending();
-      again_ = lit(0) < lit(1);
-      meets_ = touches_ = !again_;
+      in_length_pass_ = lit(0) < lit(1);
+      near_contact_ = in_contact_ = !in_length_pass_;
       nearness_ = lit(0);
       moveByForces();
       const real most = substituteLengths();
-      const mask violent = isViolent(most, borne_) && !taut_;
-      const mask eliminated = isEliminated(stiffest_, most, borne_, touches_) || taut_;
-      if (anyTrue(violent && !eliminated)) pullThroughBending(violent && !eliminated);
-      if (anyTrue(eliminated)) pullByElimination(eliminated);
-      again_ = violent || meets_;
-      if (anyTrue(again_)) {
-        moveByPulls();
+      const mask dense_metric = needsDenseMetric(most, correction_limit_) && !taut_;
+      const mask eliminated = isEliminated(stiffest_, most, correction_limit_, in_contact_) || taut_;
+      if (anyTrue(dense_metric && !eliminated)) applyTensionsThroughBending(dense_metric && !eliminated);
+      if (anyTrue(eliminated)) eliminateTensions(eliminated);
+      in_length_pass_ = dense_metric || near_contact_;
+      if (anyTrue(in_length_pass_)) {
+        applyTensions();
         substituteLengths();
       }
-      const real thrown_by = thrownBy(most, select(between_pins_, lit(1), nearness_));
-      const bool any_thrown = anyTrue(thrown_by > lit(0));
-      const real before = any_thrown ? fastest() : lit(0);
-      const real speed = finish(any_thrown);
-      if (any_thrown) slowDown(slowed(speed, before, thrown_by, between_pins_));
+      const real overshot = overshoot(most, select(between_pins_, lit(1), nearness_));
+      const bool any_overshot = anyTrue(overshot > lit(0));
+      const real before = any_overshot ? fastest() : lit(0);
+      const real speed = finish(any_overshot);
+      if (any_overshot) clampVelocities(velocityClamp(speed, before, overshot, between_pins_));
       frame_ = root.rotation;
     }
     if (!among_bodies_ && !in.primitives.empty())
@@ -117,22 +126,22 @@ class RodStep {
     store(v.w, planes + at(3, i));
   }
   real lengthOf(int e) const { return state(b.rest_length, 0, e); }
-  real inverseLength(int e) const { return load(sizeOf(b, kInverseLength, e)); }
+  real inverseLength(int e) const { return load(massData(b, kInverseLength, e)); }
   real bend(int j) const { return state(b.bend, 0, j); }
   real twist(int j) const { return state(b.twist, 0, j); }
-  // Damping time over the substep.
+  // Damping time of joint j, in substeps.
   real ahead(int j) const { return b.grooming == nullptr ? ahead_ : ahead_ * groomingFactor(b, kDampingScale, j); }
-  real ownMass(int i) const { return load(sizeOf(b, kMass, i)); }
-  real ownWeight(int i) const { return load(sizeOf(b, kWeight, i)); }
+  real ownMass(int i) const { return load(massData(b, kMass, i)); }
+  real ownWeight(int i) const { return load(massData(b, kWeight, i)); }
   real mass(int i) const { return grooming_.on() ? grooming_.mass(i) : ownMass(i); }
   real weight(int i) const { return grooming_.on() ? grooming_.weight(i) : ownWeight(i); }
-  // Of the outer vertex of edge e or, where that is pinned, of the inner one: else the last edge before a pin would have another time
-  // blend than those before it, and tremble.
+  // Weight of the outer vertex of edge e or, if that is pinned, of the inner one. Otherwise the last edge before a pin
+  // would have another time blend than the edges before it, and tremble.
   real freeWeight(int e) const {
     const real outer = weight(e + 1);
     return b.pinned && e > 0 ? select(outer > lit(0), outer, weight(e)) : outer;
   }
-  // Of edge e, where it is anchored; else 0.
+  // edgeAnchoring() of edge e if it is anchored, otherwise 0.
   real anchoring(int e) const {
     if (e > 0 && !b.pinned) return lit(0);
     const real anchored = edgeAnchoring(get(kStiffness, e), get(kMargin, e), get(kMargin, e + 1));
@@ -149,40 +158,41 @@ class RodStep {
   void eliminateTwist();
   void eliminateBending();
   void moveByForces();
-  void moveByPulls();
+  void applyTensions();
   template <class Shift>
   void moveAndEliminateLengths(Shift shift);
-  void touch(int i, const real3& shift, const real3& moved);
-  void touched(int i, const real3& x, const real3& moved);
+  void findContact(int i, const real3& shift, const real3& moved);
+  void holdAtContact(int i, const real3& x, const real3& moved);
   void pressThroughBending();
   struct HeldRow;
   HeldRow& heldRow(int i) const;
   real substituteLengths();
-  void pullThroughBending(const mask& violent);
-  void pullByElimination(const mask& strands);
+  void applyTensionsThroughBending(const mask& dense_metric);
+  void eliminateTensions(const mask& strands);
   class BentMoves;
-  class Pulls;
+  class TensionShifts;
   real fastest() const;
-  real finish(bool any_thrown);
+  real finish(bool any_overshot);
   void shareMissing();
-  void slowDown(const real& part);
+  void clampVelocities(const real& part);
   real3 collide(int i, const real3& shift);
   real3 pressed(int i, const real3& shift, const real3& x);
-  real3 keptOut(int i, const real3& shift, const real3& inner);
-  real3 turnedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
-  bool faces(int i) const { return among_bodies_ && faces_[i]; }
-  real3 normalAt(int i) const { return faces(i) ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
-  // What contact leaves of a push on vertex i.
-  real3 heldAt(int i, const real3& push) const { return faces(i) ? alongSurface(push, get3(kNormal, i)) : push; }
-  // What the pull of edge e is to mend: of taut strands nothing more than elimination has.
-  real toMend(int e, const real& length) const {
+  real3 resolvePenetration(int i, const real3& shift, const real3& inner);
+  real3 rotatedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
+  bool hasNormal(int i) const { return among_bodies_ && has_normal_[i]; }
+  real3 normalAt(int i) const { return hasNormal(i) ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
+  // Part of a push on vertex i that contact does not cancel.
+  real3 heldAt(int i, const real3& push) const { return hasNormal(i) ? alongSurface(push, get3(kNormal, i)) : push; }
+  // Length residual of edge e for the length solve. Taut strands have none in the second length pass unless a body is
+  // near: elimination has solved their lengths.
+  real lengthResidualOf(int e, const real& length) const {
     const real excess = length - lengthOf(e);
     if (!b.pinned) return excess;
-    return select(again_ || !taut_, excessToMend(excess, e > 0 ? weight(e) : lit(0), weight(e + 1)), lit(0));
+    return select(in_length_pass_ || !taut_, lengthResidual(excess, e > 0 ? weight(e) : lit(0), weight(e + 1)), lit(0));
   }
   void noteForces();
-  void noteMeeting(int i, const real& gap, const mask& pressed) {
-    meets_ = meets_ || gap < contactReach() || pressed;
+  void noteContact(int i, const real& gap, const mask& pressed) {
+    near_contact_ = near_contact_ || gap < contactReach() || pressed;
     nearness_ = max(nearness_, select(weight(i) > lit(0), nearness(gap), lit(0)));
   }
 
@@ -197,46 +207,49 @@ class RodStep {
   const double h;
   double keep_ = 1, time2_ = 0;  // see DragStep
   bool damped_ = false;
-  real ahead_;  // damping time over the substep, without factors of joints
-  real root_spin_ = lit(0);  // radians, of the root about its tangent in this substep
+  real ahead_;  // damping time in substeps, without factors of joints
+  real root_spin_ = lit(0);  // radians, rotation of the root about its tangent in this substep
   RootFrame begin_, end_;
   quat frame_;          // of the root after the last substep
 
   RootFrame root_;      // at the end of this substep
-  quat inner_frame_;    // of the root, without the swing of this substep
-  real3 tangent_old_, swing_;  // root tangent before the substep, and how it changes
-  real3 jump_;          // m, unexpected motion of the root
-  // Of a vertex among bodies: some lane may have a contact force, and in this substep a normal. Most have none.
-  bool forced_[kMaxVerticesPerStrand], faces_[kMaxVerticesPerStrand];
-  mask kinked_, cut_unevenly_;  // the strands that are, see isKinked(), isCutUnevenly()
-  mask between_pins_, taut_;    // those with a free vertex before one that is pinned, and those that are taut there, see isTaut()
-  real stiffest_;  // the greatest kappa of a strand, see stiffnessOf()
-  real borne_;     // see violenceBorne()
-  mask again_;  // the strands that have their lengths solved now: all, then those that need it again
-  mask meets_;  // those with a vertex that a body is near in this substep, or has pressed
-  real nearness_;  // of the nearest body to any of its vertices in this substep
-  mask touches_;  // those with a vertex that a body presses, or has
-  real most_tension_;   // that is taken over from one substep to the next
+  quat inner_frame_;    // of the root, without the swing of its tangent in this substep
+  real3 tangent_old_, swing_;  // root tangent before the substep, and its change
+  real3 jump_;          // m, displacement of the root beyond its velocity
+  // Per vertex among bodies: whether some lane has a contact force, and a contact normal in this substep. Most have
+  // none.
+  bool has_force_[kMaxVerticesPerStrand], has_normal_[kMaxVerticesPerStrand];
+  mask kinked_, cut_unevenly_;  // strands for which isKinked() and isCutUnevenly() hold
+  mask between_pins_, taut_;    // strands with a free vertex before a pinned one; of these the taut ones, see isTaut()
+  real stiffest_;  // greatest stiffness ratio kappa of a strand, see stiffnessOf()
+  real correction_limit_;     // see correctionLimit()
+  mask in_length_pass_;  // strands whose lengths are solved in this pass: first all, then those that need the second length pass
+  mask near_contact_;  // strands with a vertex that a body is near in this substep or has pressed
+  real nearness_;  // nearness() of the nearest body to any vertex of the strand in this substep
+  mask in_contact_;  // strands with a vertex that a body presses or has pressed
+  real most_tension_;   // bound on the tension that is kept between substeps, see tensionBound()
 };
 
-// Which vertices bodies pressed when the step began.
+// Notes which vertices have a contact force at the start of the step.
 inline void RodStep::noteForces() {
   for (int i = 0; i < n; ++i) {
     const real3 force = state3(b.contact, i);
-    forced_[i] = anyTrue(!(abs(force.x) + abs(force.y) + abs(force.z) <= lit(0)));  // also where it is not a number
+    has_force_[i] = anyTrue(!(abs(force.x) + abs(force.y) + abs(force.z) <= lit(0)));  // also if NaN
   }
 }
 
-// How far vertex i would go by itself in this substep, whose jump_ is known.
+// Displacement of vertex i in this substep without forces, docs/solver.md (4). Precondition: jump_ is set.
 inline real3 RodStep::ownShift(int i) const { return madd(state3(b.velocity, i), lit(h * keep_), jump_); }
-// `own` of it with the air drag of its own, to its inertial point; pinned ones ride on their bones.
+// Displacement of vertex i to its inertial point: ownShift() with the vertex's air drag factor. Pinned vertices ride on
+// their bones.
 inline real3 RodStep::inertialShift(int i, const real3& own, const RootFrame& root, double time) const {
   const real3 shift = grooming_.on() ? madd(state3(b.velocity, i), grooming_.keep(i) * lit(h), jump_) : own;
   if (!b.pinned) return shift;
   return select(weight(i) > lit(0), shift, heldPoint(b, root, i, time) - state3(b.position, i));
 }
 
-// Root motion, inertial point, tangents between the old edges and the inertial ones, frames carried along with them.
+// Sweep 1, root to tip, docs/solver.md (3) to (8), (23): root motion, inertial points, tangents at the time blend of
+// old and inertial edges, parallel transport of frames. Queues the contact queries.
 inline void RodStep::predict(const RootFrame& root, double time) {
   const StepScope scope{StepPart::kPredict};
   root_ = root;
@@ -255,9 +268,9 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     set3(kShift, e + 1, shift);
     if (among_bodies_) {
       const StepScope contact{StepPart::kContact};
-      near_.lookAhead(e + 1, x + own, x);
-      faces_[e + 1] = false;
-      if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(time2_), b.contact, e + 1);
+      near_.queueContactQuery(e + 1, x + own, x);
+      has_normal_[e + 1] = false;
+      if (has_force_[e + 1]) store3(state3(b.contact, e + 1) * lit(time2_), b.contact, e + 1);
     }
     const real3 old = x - before, advance = shift - shift_in;
     const real3 edge = old + advance;
@@ -277,10 +290,11 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     shift_in = shift;
     unit_before = unit;
   }
-  near_.lookAround();
+  near_.runContactQueries();
 }
 
-// Joint strains, and the elimination of the twist system from root to tip.
+// Sweep 2, root to tip, docs/solver.md (9), (10): joint strains, stiffnesses and margins, and elimination of the twist
+// system.
 inline void RodStep::eliminateTwist() {
   const StepScope scope{StepPart::kTwist};
   quat inner = inner_frame_;
@@ -332,21 +346,22 @@ inline void RodStep::eliminateTwist() {
   }
 }
 
-// Twist substituted, forces, and the elimination of the bending system from tip to root.
+// Sweep 3, tip to root, docs/solver.md (11) to (14): substitution of twist, forces, and elimination of the bending
+// system.
 inline void RodStep::eliminateBending() {
   const StepScope scope{StepPart::kBend};
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  const real3 pull = fill3(p.gravity) * lit(time2_) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
+  const real3 lambda = fill3(p.gravity) * lit(time2_) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
   real turn = get(kRight, ne - 1);
   quat outer = twistFrame(state4(b.frame, ne - 1), clamp(turn, lit(-1), lit(1)));
   real3 t = get3(kTangent, ne - 1), t_out = t, t_out2 = t;
   real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
-  // Of the rows of the next two vertices outwards, without those still farther out: inverse pivots, and what the rows sum up to. In the
-  // matrix they sum up to the masses: moved as a whole, a strand is not bent. Pivots follow from sums, and not by taking from large
-  // stiffnesses other large ones.
+  // Of the rows of the next two vertices outwards, after elimination of the vertices farther out: inverse pivots and
+  // row sums. In the whole matrix, rows sum to the masses, because a translation does not bend the strand. Pivots are
+  // computed from row sums, which avoids cancellation between large stiffnesses.
   real id1 = lit(0), id2 = lit(0), sum1 = lit(0), sum2 = lit(0);
-  real across = lit(0);                      // couples the vertex to the next one outwards, without those farther out
-  real second = lit(0), second_in = lit(0);  // couple it, and the one inside it, to the next but one outwards
+  real across = lit(0);                      // couples the vertex to the next one outwards, after elimination
+  real second = lit(0), second_in = lit(0);  // couple the vertex, and the one inside it, to the next but one outwards
   for (int e = ne - 1; e >= 0; --e) {
     const real3 t_in = e > 0 ? get3(kTangent, e - 1) : t;
     const real turn_in = e > 0 ? get(kRight, e - 1) - get(kFactor1, e - 1) * turn : lit(0);
@@ -363,10 +378,10 @@ inline void RodStep::eliminateBending() {
     real3 force = cross(moment_out - moment, t) * (il * lit(time2_)) - t * kept;
     if (e == 0) force = force + swing_ * (get(kStiffness, 0) * il);
     const real m = mass(e + 1);
-    const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(time2_), pull) : pull;
-    real3 total = grooming_.on() ? grooming_.pull(e + 1, way, root_, get3(kShift, e + 1)) + (force - force_out)
+    const real3 way = b.acceleration != nullptr ? madd(accelerationOf(b, e + 1), lit(time2_), lambda) : lambda;
+    real3 total = grooming_.on() ? grooming_.loadTowardsGoal(e + 1, way, root_, get3(kShift, e + 1)) + (force - force_out)
                                  : madd(way, select(weight(e + 1) > lit(0), m, lit(0)), force - force_out);
-    if (among_bodies_ && forced_[e + 1]) total = total + state3(b.contact, e + 1);
+    if (among_bodies_ && has_force_[e + 1]) total = total + state3(b.contact, e + 1);
 
     const real il_in = e > 0 ? inverseLength(e - 1) : lit(0), il_out = e + 1 < ne ? inverseLength(e + 1) : lit(0);
     const real k0 = get(kStiffness, e), k1 = get(kStiffness, e + 1);
@@ -402,65 +417,66 @@ inline void RodStep::eliminateBending() {
   }
 }
 
-// Contact of vertex i, shifted so, by itself. Gives its shift.
+// Contact of vertex i on its own (by its mass alone), at `shift` from its old position. Returns the resulting shift.
 inline real3 RodStep::collide(int i, const real3& shift) {
   const StepScope scope{StepPart::kContact};
   const real3 x = state3(b.position, i) + shift;
-  near_.lookOn(i, x, state3(b.position, i), again_);
-  return near_.sees(i) || forced_[i] ? pressed(i, shift, x) : shift;
+  near_.requeryIfMoved(i, x, state3(b.position, i), in_length_pass_);
+  return near_.hasContactPlane(i) || has_force_[i] ? pressed(i, shift, x) : shift;
 }
 
-// The same of a vertex that may touch something; the normal is kept for the length solve, which must not push it back in. By
-// itself, as keptOut(), so that sweeps of hair that is near no body stay small.
+// collide() for a vertex that may touch a body. Stores the contact normal for the length solve, which must not push the
+// vertex back in. Not inlined, so that sweeps of strands far from bodies stay small.
 [[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& shift, const real3& x) {
-  const real3 before = forced_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
+  const real3 before = has_force_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
-  noteMeeting(i, gap, pressed_before);
-  const mask touches = again_ && (gap < lit(0) || pressed_before) && weight(i) > lit(0);
+  noteContact(i, gap, pressed_before);
+  const mask touches = in_length_pass_ && (gap < lit(0) || pressed_before) && weight(i) > lit(0);
   if (!anyTrue(touches)) return shift;
-  const Touch touch = near_.touch(i, x);
+  const ContactPlane plane = near_.deepestPlane(i, x);
   real3 force = before;
-  const real3 out = resolveContact(x, touch.carried, touch.normal, touch.gap, touch.friction, select(touches, weight(i), lit(1)), force);
-  const mask presses = touches && (touch.gap < lit(0) || dot(force, force) > lit(0));
+  const real3 out = resolveContact(x, plane.carried, plane.normal, plane.gap, plane.friction, select(touches, weight(i), lit(1)), force);
+  const mask presses = touches && (plane.gap < lit(0) || dot(force, force) > lit(0));
   store3(select(touches, force, before), b.contact, i);
-  set3(kNormal, i, select(presses, touch.normal, normalAt(i)));
-  forced_[i] = faces_[i] = true;
+  set3(kNormal, i, select(presses, plane.normal, normalAt(i)));
+  has_force_[i] = has_normal_[i] = true;
   set(kSoftness, i, select(presses, lit(0), get(kSoftness, i)));
   return select(touches, out - state3(b.position, i), shift);
 }
 
-// The pulls from root to tip, one vertex after another.
-class RodStep::Pulls {
+// Displacements by the tension increments, from root to tip, one vertex after another.
+class RodStep::TensionShifts {
  public:
-  explicit Pulls(const RodStep& step) : s_(step), pull_(step.get(kRight, 0)), t_(step.get3(kTangent, 0)) {}
-  // The tension of edge e with its pull.
+  explicit TensionShifts(const RodStep& step) : s_(step), pull_(step.get(kRight, 0)), t_(step.get3(kTangent, 0)) {}
+  // Tension of edge e plus its increment.
   real tension(int e) const { return s_.state(s_.b.tension, 0, e) + pull_; }
-  // The shift that the pulls on both its sides leave the outer vertex of edge e with.
+  // Shift of the outer vertex of edge e after the tension increments on both sides. Call it once per edge, in order.
   real3 shifted(int e) {
-    const real pull_in = pull_;
+    const real lambda_in = pull_;
     const real3 t_in = t_;
     const bool last = e + 1 == s_.ne;
     pull_ = last ? lit(0) : s_.get(kRight, e + 1);
     t_ = last ? makeReal3(lit(0), lit(0), lit(0)) : s_.get3(kTangent, e + 1);
-    const real3 push = pushOfPulls(t_in, pull_in, t_, pull_, s_.get(kSoftness, e + 1));
+    const real3 push = shiftByTensions(t_in, lambda_in, t_, pull_, s_.get(kSoftness, e + 1));
     return madd(s_.heldAt(e + 1, push), s_.weight(e + 1), s_.get3(kShift, e + 1));
   }
 
  private:
   const RodStep& s_;
-  real pull_;  // of the edge after the vertex last asked for
+  real pull_;  // increment of the edge after the current vertex
   real3 t_;
 };
 
-// From root to tip: every vertex shifted by shift(e) in all, edge e before it, and the elimination of the length system.
+// From root to tip: sets the shift of the outer vertex of each edge e to shift(e), updates tangents, and eliminates the
+// length system.
 template <class Shift>
 void RodStep::moveAndEliminateLengths(Shift shift) {
   real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
   real3 t_in = makeReal3(lit(0), lit(0), lit(0)), normal_in = t_in, normal_in2 = t_in;
   real w_in = lit(0), w_in2 = lit(0);
   real own = lit(0), excess = lit(0), lower = lit(0), right = lit(0), factor = lit(0);
-  // Row e with `own_out`, what its outer vertex has on its diagonal; gives its inverse pivot.
+  // Eliminates row e and returns its inverse pivot. `own_out`: diagonal entry by its outer vertex.
   auto eliminate = [&](int e, const real& own_out) {
     real diagonal = own + own_out;
     if (among_bodies_) diagonal = diagonal + lengthHeld(t_in, normal_in2, w_in2, normal_in, w_in);
@@ -480,7 +496,7 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
     if (e > 0) {
       const real soft = get(kSoftness, e), c = dot(t_in, t);
       real along_in = weightAlong(w_in, soft, c), along = along_in, across = lengthAcross(w_in, soft, c);
-      if (faces(e)) {
+      if (hasNormal(e)) {
         along_in = along_in - weightHeld(t_in, t_in, normal_in, w_in);
         along = along - weightHeld(t, t, normal_in, w_in);
         across = across + weightHeld(t_in, t, normal_in, w_in);
@@ -488,26 +504,26 @@ void RodStep::moveAndEliminateLengths(Shift shift) {
       const real pivot = eliminate(e - 1, along_in);
       lower = across;
       factor = lower * pivot;
-      set(kLengthFactor, e, factor);  // of row e on row e - 1; symmetric
+      set(kLengthFactor, e, factor);  // of row e on row e - 1; the matrix is symmetric
       own = along;
     }
     w_in2 = w_in;
     w_in = weight(e + 1);
-    excess = toMend(e, dot(edge, t));
+    excess = lengthResidualOf(e, dot(edge, t));
     old_in = old;
     shift_in = shifted;
     t_in = t;
     normal_in2 = normal_in;
     normal_in = normalAt(e + 1);
   }
-  eliminate(ne - 1, faces(ne) ? w_in - weightHeld(t_in, t_in, normal_in, w_in) : w_in);
+  eliminate(ne - 1, hasNormal(ne) ? w_in - weightHeld(t_in, t_in, normal_in, w_in) : w_in);
 }
 
-// The bending system substituted from root to tip: what it moves one vertex after another.
+// Substitution of the bending system from root to tip: displacements, one vertex after another.
 class RodStep::BentMoves {
  public:
   explicit BentMoves(const RodStep& step) : s_(step) {}
-  // The outer vertex of edge e.
+  // Displacement of the outer vertex of edge e. Call it once per edge, in order.
   real3 next(int e) {
     const real3 d = s_.get3(kStrain, e) - d1_ * l1_in_ - d2_ * l2_in2_;
     l1_in_ = s_.get(kFactor1, e);
@@ -524,6 +540,8 @@ class RodStep::BentMoves {
   real l1_in_ = lit(0), l2_in_ = lit(0), l2_in2_ = lit(0);
 };
 
+// Sweep 4, root to tip, docs/solver.md (15), (16): displacements by forces, contact through the bending matrix, and
+// elimination of the length system.
 inline void RodStep::moveByForces() {
   const StepScope scope{StepPart::kMove};
   BentMoves moves(*this);
@@ -537,64 +555,66 @@ inline void RodStep::moveByForces() {
   for (int e = 0; e < ne; ++e) {
     const real3 shift = byForces(e);
     set3(kShift, e + 1, shift);
-    touch(e + 1, shift, moved);
+    findContact(e + 1, shift, moved);
   }
-  if (anyTrue(touches_)) pressThroughBending();
-  else for (int i = 1; i < n; ++i) faces_[i] = false;
+  if (anyTrue(in_contact_)) pressThroughBending();
+  else for (int i = 1; i < n; ++i) has_normal_[i] = false;
   moveAndEliminateLengths([&](int e) { return get3(kShift, e + 1); });
 }
 
-// The length system substituted from tip to root; gives the strand's violence.
+// Sweep 5, tip to root: substitution of the length system. Returns the greatest correction strain of each strand,
+// docs/solver.md (20).
 inline real RodStep::substituteLengths() {
-  const StepScope scope{StepPart::kPulls};
-  real pull = get(kRight, ne - 1), most = lit(0);
+  const StepScope scope{StepPart::kTensions};
+  real lambda = get(kRight, ne - 1), most = lit(0);
   for (int e = ne - 1; e >= 0; --e) {
-    set(kRight, e, pull);
-    most = max(most, violence(pull, e > 0 ? weight(e) : lit(0), weight(e + 1), inverseLength(e)));
-    if (e > 0) pull = get(kRight, e - 1) - get(kLengthFactor, e) * pull;
+    set(kRight, e, lambda);
+    most = max(most, correctionStrain(lambda, e > 0 ? weight(e) : lit(0), weight(e + 1), inverseLength(e)));
+    if (e > 0) lambda = get(kRight, e - 1) - get(kLengthFactor, e) * lambda;
   }
   return most;
 }
 
-// The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the
-// second length system in the metric of the masses.
-inline void RodStep::pullThroughBending(const mask& violent) {
-  const StepScope scope{StepPart::kPulls};
+// Finds and applies the tension increments of strands with the dense metric, docs/solver.md (21), by preconditioned
+// conjugate gradients (Shewchuk 1994, algorithm B3). Leaves no increments for applyTensions(), and softness 0, so that
+// the second length pass is in the metric of the masses.
+inline void RodStep::applyTensionsThroughBending(const mask& dense_metric) {
+  const StepScope scope{StepPart::kTensions};
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  real product = lit(0);  // residual x correction
+  real product = lit(0);  // residual . preconditioned residual
   real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
   for (int e = 0; e < ne; ++e) {
     const real3 old = state3(b.position, e + 1), shift = get3(kShift, e + 1);
     const real correction = get(kRight, e);
     const real3 edge = (old - old_in) + (shift - shift_in);
-    const real excess = toMend(e, dot(edge, get3(kTangent, e)));
+    const real excess = lengthResidualOf(e, dot(edge, get3(kTangent, e)));
     set(kResidual, e, excess);
     set(kConjugate, e, lit(0));
     set(kCorrection, e, correction);
-    set(kRight, e, select(violent, lit(0), correction));
-    set(kSoftness, e + 1, select(violent, lit(0), get(kSoftness, e + 1)));
+    set(kRight, e, select(dense_metric, lit(0), correction));
+    set(kSoftness, e + 1, select(dense_metric, lit(0), get(kSoftness, e + 1)));
     product = madd(excess, correction, product);
     old_in = old;
     shift_in = shift;
   }
-  real kept = lit(0);  // of the last direction
+  real kept = lit(0);  // share of the last search direction in the new one
   for (int iteration = 1;; ++iteration) {
-    // Tip to root: the direction, and the elimination of bending under its pulls.
+    // Tip to root: the search direction, and elimination of bending under its tensions.
     real3 t_out = zero, y1 = zero, y2 = zero;
-    real pull_out = lit(0);
+    real lambda_out = lit(0);
     for (int e = ne - 1; e >= 0; --e) {
-      const real pull = madd(get(kConjugate, e), kept, get(kCorrection, e));
-      set(kConjugate, e, pull);
+      const real lambda = madd(get(kConjugate, e), kept, get(kCorrection, e));
+      set(kConjugate, e, lambda);
       const real3 t = get3(kTangent, e);
-      const real3 push = heldAt(e + 1, pushOfPulls(t, pull, t_out, pull_out, lit(0)));
+      const real3 push = heldAt(e + 1, shiftByTensions(t, lambda, t_out, lambda_out, lit(0)));
       const real3 y = select(weight(e + 1) > lit(0), push, zero) - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
       set3(kStrain, e, y * get(kPivot, e));
       y2 = y1;
       y1 = y;
-      pull_out = pull;
+      lambda_out = lambda;
       t_out = t;
     }
-    // Root to tip: what they move, and by how much that shortens the edges.
+    // Root to tip: displacements by the direction, and how much they shorten the edges.
     BentMoves moves(*this);
     real3 moved_in = zero;
     real curvature = lit(0);
@@ -604,23 +624,23 @@ inline void RodStep::pullThroughBending(const mask& violent) {
       curvature = madd(get(kConjugate, e), dot(get3(kTangent, e), moved_in - moved), curvature);
       moved_in = moved;
     }
-    // Root to tip: the step along the direction, and the elimination of the tridiagonal system.
+    // Root to tip: the step along the direction, and elimination of the tridiagonal preconditioner.
     const real step = conjugateStep(product, curvature);
     moved_in = zero;
     real y = lit(0);
     for (int e = 0; e < ne; ++e) {
       const real3 moved = get3(kStrain, e), shift = get3(kShift, e + 1);
       const real tension = state(b.tension, 0, e);
-      set3(kShift, e + 1, select(violent, madd(moved, step, shift), shift));
-      store(select(violent, madd(get(kConjugate, e), step, tension), tension), b.tension + at(0, e));
+      set3(kShift, e + 1, select(dense_metric, madd(moved, step, shift), shift));
+      store(select(dense_metric, madd(get(kConjugate, e), step, tension), tension), b.tension + at(0, e));
       const real residual = get(kResidual, e) - step * dot(get3(kTangent, e), moved_in - moved);
       set(kResidual, e, residual);
       y = e > 0 ? residual - get(kLengthFactor, e) * y : residual;
       set(kCorrection, e, y * get(kLengthPivot, e));
       moved_in = moved;
     }
-    if (iteration == kPullIterations) return;
-    // Tip to root: its substitution.
+    if (iteration == kTensionIterations) return;
+    // Tip to root: substitution of the preconditioner.
     real correction = lit(0), next = lit(0);
     for (int e = ne - 1; e >= 0; --e) {
       correction = e + 1 < ne ? get(kCorrection, e) - get(kLengthFactor, e + 1) * correction : get(kCorrection, e);
@@ -632,48 +652,50 @@ inline void RodStep::pullThroughBending(const mask& violent) {
   }
 }
 
-// Every vertex moved by its pulls, of those who have their lengths solved again. The others' system comes out as it was.
-inline void RodStep::moveByPulls() {
-  const StepScope scope{StepPart::kAgain};
-  Pulls pulls(*this);
+// Second length pass: applies the tension increments of the strands in in_length_pass_, resolves their contacts, and eliminates
+// their length system again. The systems of all other strands come out unchanged.
+inline void RodStep::applyTensions() {
+  const StepScope scope{StepPart::kSecondLengthPass};
+  TensionShifts tensions(*this);
   moveAndEliminateLengths([&](int e) {
-    store(select(again_, pulls.tension(e), state(b.tension, 0, e)), b.tension + at(0, e));
-    const real3 shift = select(again_, pulls.shifted(e), get3(kShift, e + 1));
+    store(select(in_length_pass_, tensions.tension(e), state(b.tension, 0, e)), b.tension + at(0, e));
+    const real3 shift = select(in_length_pass_, tensions.shifted(e), get3(kShift, e + 1));
     return among_bodies_ ? collide(e + 1, shift) : shift;
   });
 }
 
-// What the last pulls move, exact lengths, velocities. Where some strand is thrown, gives the speed of the fastest vertices as
-// lengths alone have left them, which nothing has turned out of bodies yet.
-inline real RodStep::finish(bool any_thrown) {
+// Sweep 6, root to tip, docs/solver.md (19), (22): displacements by the last tension increments, exact lengths,
+// penetration resolution, velocities. If some strand overshoots, returns the greatest vertex speed of each strand, m/s,
+// without displacements by penetration resolution.
+inline real RodStep::finish(bool any_overshot) {
   const StepScope scope{StepPart::kVelocities};
   if (b.pinned) shareMissing();
   const real inverse_h = lit(1 / h);
   real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in, inner = root_.position;
   const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  real3 turned = zero;  // m, by how much that has moved the vertex
+  real3 turned = zero;  // m, displacement of the vertex by penetration resolution
   real way2 = lit(0);
   store3(shift * inverse_h, b.velocity, 0);
   store3(inner, b.position, 0);
-  Pulls pulls(*this);
+  TensionShifts tensions(*this);
   for (int e = 0; e < ne; ++e) {
-    store(pulls.tension(e) * lit(1 / time2_), b.tension + at(0, e));
-    const real3 old = state3(b.position, e + 1), pulled = pulls.shifted(e), advance = pulled - pulled_in;
+    store(tensions.tension(e) * lit(1 / time2_), b.tension + at(0, e));
+    const real3 old = state3(b.position, e + 1), pulled = tensions.shifted(e), advance = pulled - pulled_in;
     real3 exact = advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
     if (b.pinned) exact = exact + get3(kShared, e);
     shift = select(weight(e + 1) > lit(0), shift + exact, pulled);
     if (among_bodies_) {
-      const real3 kept = keptOut(e + 1, shift, inner);
-      if (any_thrown) {
+      const real3 kept = resolvePenetration(e + 1, shift, inner);
+      if (any_overshot) {
         turned = select(weight(e + 1) > lit(0), turned, zero);
         const real3 went = shift - turned;
         way2 = max(way2, dot(went, went));
         turned = turned + (kept - shift);
       }
       shift = kept;
-      if (forced_[e + 1]) store3(state3(b.contact, e + 1) * lit(1 / time2_), b.contact, e + 1);
+      if (has_force_[e + 1]) store3(state3(b.contact, e + 1) * lit(1 / time2_), b.contact, e + 1);
     }
-    if (any_thrown && !among_bodies_) way2 = max(way2, dot(shift, shift));
+    if (any_overshot && !among_bodies_) way2 = max(way2, dot(shift, shift));
     inner = old + shift;
     store3(shift * inverse_h, b.velocity, e + 1);
     store3(inner, b.position, e + 1);
@@ -685,10 +707,10 @@ inline real RodStep::finish(bool any_thrown) {
 
 #include "core/rod_traits.inl"
 #include "core/held_contact.inl"
-#include "core/kept_out.inl"
+#include "core/resolve_penetration.inl"
 #include "core/pinned_lengths.inl"
-#include "core/stiff_pulls.inl"
-#include "core/thrown_strands.inl"
+#include "core/stiff_tensions.inl"
+#include "core/velocity_clamp.inl"
 
 inline void stepRod(const Block& b, const StepInput& input, Scalar* scratch) { RodStep(b, input, scratch).run(); }
 

@@ -1,7 +1,8 @@
-// What a step finds of its strands before the first substep: how stiff they are, how they are bent and cut, how hard they are driven.
-// Included in core/rod_sweep.inl.
+// Properties of the strands of a block that stay constant during a step: stiffness, rest bends, edge lengths, driving
+// forces. Included in core/rod_sweep.inl.
 
-// What follows from how strands are bent at rest, and from how stiff they are: as restBends() of core/strand_model.h.
+// Finds which strands are kinked, and their correction limits, from their bends at rest and their stiffness; as
+// restBends() of core/strand_model.h.
 inline void RodStep::findBends() {
   real bends = lit(0), changes = lit(0), second_changes = lit(0);
   real3 before = makeReal3(lit(0), lit(0), lit(0)), change_before = before;
@@ -15,11 +16,11 @@ inline void RodStep::findBends() {
   }
   const mask uneven = bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
   kinked_ = isKinked(uneven, stiffest_);
-  borne_ = violenceBorne(uneven || isSharp(bends, lit(ne - 1)), stiffest_);
+  correction_limit_ = correctionLimit(uneven || isSharp(bends, lit(ne - 1)), stiffest_);
 }
 
-// How much air, and what else accelerates a vertex besides gravity, drives vertex i, at most: m/s^2. `wind`: what it does to one whose
-// air drag has no factor.
+// Upper bound of the acceleration of vertex i by air and external forces, without gravity, m/s^2. `wind`: that by wind
+// for an air drag factor of 1.
 inline real RodStep::drivenByAir(int i, const real& wind) const {
   real driven = groomingFactor(b, kAirDragScale, i) * wind;
   if (b.acceleration != nullptr) {
@@ -29,6 +30,7 @@ inline real RodStep::drivenByAir(int i, const real& wind) const {
   return driven;
 }
 
+// Runs once per step, before its first substep.
 inline void RodStep::findTraits() {
   mask seen_free = lit(1) < lit(0);
   between_pins_ = seen_free;

@@ -17,24 +17,24 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
 
-/// One strand in its root frame: edge e and the joint before it at entry e.
+/// One strand in its root frame. Entry e is edge e and the joint before it.
 class Strand {
  public:
   struct Joint {
     Eigen::Quaterniond inner;  ///< frame before the joint
-    Vector strain;             ///< in that frame
-    Vector answer;             ///< K x (strain - rest strain) that balances the weight, in that frame
-    Vector moment;             ///< of the weight, in the root frame
+    Vector strain;             ///< in `inner`
+    Vector answer;             ///< K x (strain - rest strain) that balances the weight, in `inner`
+    Vector moment;             ///< of the weight beyond the joint, in the root frame
     Vector stiffness;          ///< K: bending, bending, twist, m^2/s^2
   };
   std::vector<Joint> joints;
-  std::vector<Vector> edges, pulls;  ///< l t, m; W, m/s^2
+  std::vector<Vector> edges, pulls;  ///< l t, m; W, m/s^2; see makeSagFree()
 
   void read(const StrandModel& model, size_t s, const Vec3& gravity);
-  /// To be called when the joints' stiffness is settled, before stable().
+  /// Computes the second variations. Call it before stable(), after the last change of the joints' stiffness.
   void linearise();
-  /// Whether the second variation of elastic energy and weight in the rotations of the edges is positive,
-  /// with all stiffness times `factor`.
+  /// Whether the second variation of elastic energy and weight by rotations of the edges is positive
+  /// definite, with all stiffness multiplied by `factor`.
   bool stable(double factor);
 
  private:
@@ -65,7 +65,7 @@ void Strand::read(const StrandModel& model, size_t s, const Vec3& gravity) {
     joint.strain = strainOfJoint(joint.inner, outer);
     joint.moment = moment;
     joint.stiffness = Vector(model.bend[v], model.bend[v], model.twist[v]);
-    // jointMoment in kernels/rod.h is c + (strain / 2) x c; solved for c.
+    // jointMoment() in kernels/rod.h is c + (strain / 2) x c; this solves it for c.
     const Vector m = joint.inner.conjugate() * moment, u = joint.strain / 2;
     joint.answer = (m + u * u.dot(m) - u.cross(m)) / (1 + u.squaredNorm());
   }
@@ -92,11 +92,11 @@ bool Strand::stable(double factor) {
   Matrix outer = joint(e);
   Matrix diagonal = weight_[e] + outer;
   for (;; --e) {
-    // A positive matrix, by its leading minors.
+    // Positive definite: its leading minors are positive.
     const double minor = diagonal(0, 0) * diagonal(1, 1) - diagonal(0, 1) * diagonal(1, 0);
     if (!(diagonal(0, 0) > 0 && minor > 0 && diagonal.determinant() > 0)) return false;
     if (e == 0) return true;
-    // Two rotations one after the other turn by half their cross product more than their sum.
+    // Two successive rotation vectors compose to their sum plus half their cross product, to second order.
     const Matrix coupling = -outer - 0.5 * crossMatrix(joints[e].moment);
     const Matrix inner = joint(e - 1);
     diagonal = (weight_[e - 1] + outer + inner - coupling.transpose() * diagonal.inverse() * coupling).eval();
@@ -111,14 +111,14 @@ SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity,
   if (!(gravity.cwiseAbs().array() <= kStrongestGravity).all())
     throw Error("gravity is not finite or out of range", "makeSagFree",
                 fmt::format("give three numbers within +-{:g} m/s^2", kStrongestGravity));
-  constexpr double kGrowth = 1.5;       // of the factor from one trial to the next
-  constexpr size_t kBetweenLooks = 64;  // strands from one call of `progress` to the next
+  constexpr double kGrowth = 1.5;       // of a strand's factor per trial
+  constexpr size_t kStrandsPerProgressCall = 64;  // strands per call of `progress`
   std::vector<float> factors(model.strands());
   std::atomic<bool> goes_on{true};
   auto work = [&](size_t begin, size_t end, bool is_first) {
     Strand strand;
     for (size_t s = begin; s < end && goes_on; ++s) {
-      if (is_first && progress && (s - begin) % kBetweenLooks == 0)
+      if (is_first && progress && (s - begin) % kStrandsPerProgressCall == 0)
         goes_on = progress(static_cast<double>(s - begin) / static_cast<double>(end - begin));
       strand.read(model, s, gravity);
       double largest = 1;

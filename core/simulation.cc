@@ -13,13 +13,13 @@
 namespace strandcast {
 namespace {
 
-/// StrandModel::rest_distance by how far from `bodies`, at rest, the vertices of the model are. What is
-/// deeper than `depths`, one per body, is held by none.
+/// StrandModel::rest_distance from the rest distances of the vertices to `bodies`. No body holds a vertex
+/// deeper than `depths`, one per body, m.
 std::vector<float> restDistances(const StrandModel& model, std::span<const MovingPrimitive> bodies,
                                  std::span<const uint32_t> words, std::span<const float> depths,
                                  float hair_radius) {
-  constexpr float kSlack = 2e-6f;  // m, so that rounding does not press on what is at rest
-  std::vector<float> out(model.vertices(), kFarFromBodies), distances;  // distances: of a strand
+  constexpr float kSlack = 2e-6f;  // m, so that rounding does not press on hair at rest
+  std::vector<float> out(model.vertices(), kFarFromBodies), distances;  // distances: of one strand
   for (size_t s = 0; s < model.strands(); ++s) {
     const uint32_t root = model.offsets[s], end = model.offsets[s + 1];
     for (size_t i = 0; i < bodies.size(); ++i) {
@@ -54,35 +54,35 @@ Parameters withSolvableSubsteps(Parameters parameters) {
   return parameters;
 }
 
-// Before anything is made of them.
+// Validate constructor arguments before any other member uses them.
 std::unique_ptr<StrandModel> checked(StrandModel model) {
   checkModel(model, "Simulation");
   return std::make_unique<StrandModel>(std::move(model));
 }
 std::unique_ptr<Backend> checked(std::unique_ptr<Backend> backend) {
-  if (backend == nullptr) throw Error("there is no backend", "Simulation", "make one with createBackend()");
+  if (backend == nullptr) throw Error("the backend is null", "Simulation", "create it with createBackend()");
   return backend;
 }
 
 }  // namespace
 
 Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Parameters parameters,
-                       std::unique_ptr<Backend> backend, std::unique_ptr<Surroundings> surroundings,
+                       std::unique_ptr<Backend> backend, std::unique_ptr<ExternalForces> external_forces,
                        std::unique_ptr<BroadPhase> broad_phase)
     : model_(checked(std::move(model))),
       parameters_(parameters),
       backend_(checked(std::move(backend))),
-      surroundings_(std::move(surroundings)),
+      external_forces_(std::move(external_forces)),
       bones_begin_(model_->bones.size()),
       bones_end_(model_->bones.size()),
-      told_begin_(model_->bones.size()),
-      told_end_(model_->bones.size()),
+      bones_begin_local_(model_->bones.size()),
+      bones_end_local_(model_->bones.size()),
       lengths_(strandLengths(*model_)),
       broad_phase_(broad_phase != nullptr ? std::move(broad_phase) : makeAllPairs()),
       reach_(*model_, strandOrder(*model_), lengths_),
       strand_boxes_(reach_.neighbourhoods()) {
   checkParameters(parameters_, "Simulation");
-  stepped_ = withSolvableSubsteps(parameters_);
+  effective_parameters_ = withSolvableSubsteps(parameters_);
   std::vector<MovingPrimitive> rooted;
   std::vector<float> depths;
   for (RigidBody& body : bodies) {
@@ -92,7 +92,7 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
     for (size_t i = 0; i < added.data.size(); ++i) {
       const ContactPrimitive& primitive = added.body.primitives[i];
       rooted.push_back(moved(primitive, added.begin, added.begin, parameters_.time_step, added.data[i]));
-      // What a field holds is to stay among its samples, away from where it knows bounds only.
+      // A field holds only vertices near its samples: deeper inside it stores distance bounds only.
       const FieldGrid* grid = primitive.field ? &primitive.field->grid : nullptr;
       depths.push_back(grid != nullptr ? grid->band - 2 * grid->cell : kFarFromBodies);
     }
@@ -100,24 +100,25 @@ Simulation::Simulation(StrandModel model, std::vector<RigidBody> bodies, Paramet
   if (!rooted.empty())
     model_->rest_distance = restDistances(*model_, rooted, shapes_.words, depths, parameters_.hair_radius);
   backend_->load(*model_, restState(*model_, model_->rest_roots));
-  surrounded_ = configureSurroundings(stepped_);
+  has_external_forces_ = configureExternalForces(effective_parameters_);
   reserveForBodies();
-  backend_->expect(stepped_, !primitives_.empty());
+  backend_->prepare(effective_parameters_, !primitives_.empty());
 }
 
-bool Simulation::configureSurroundings(const Parameters& parameters) {
-  if (!(surroundings_ ? surroundings_->isNeeded(parameters) : needsSurroundings(parameters))) return false;
+bool Simulation::configureExternalForces(const Parameters& parameters) {
+  if (!(external_forces_ ? external_forces_->isNeeded(parameters) : needsExternalForces(parameters)))
+    return false;
   if (!backend_->takesAccelerations())
     throw Error(
-        "sources of wind, gusts, turbulence, wind_grid, air_drag_along, volume_stiffness and "
-        "hair_friction do not run on this backend",
+        "this backend does not support sources of wind, gusts, turbulence, wind_grid, air_drag_along, "
+        "volume_stiffness and hair_friction",
         backend_->name(), "choose --backend simd or reference");
-  if (!surroundings_)
+  if (!external_forces_)
     throw Error(
-        "there is no air for gusts, turbulence, wind_grid, air_drag_along, volume_stiffness or "
-        "hair_friction",
-        "Simulation", "leave them as they are by default");
-  surroundings_->configure(*model_, parameters, *backend_);
+        "the simulation has no air system for gusts, turbulence, wind_grid, air_drag_along, volume_stiffness "
+        "or hair_friction",
+        "Simulation", "leave them at their defaults");
+  external_forces_->configure(*model_, parameters, *backend_);
   return true;
 }
 
@@ -128,7 +129,7 @@ void Simulation::setHeadPose(const Pose& head) {
 
 void Simulation::checkBone(size_t bone, const char* where) const {
   if (bone >= bones_end_.size())
-    throw Error("there is no bone " + std::to_string(bone), where,
+    throw Error("unknown bone " + std::to_string(bone), where,
                 "the model has " + std::to_string(bones_end_.size()));
 }
 
@@ -146,8 +147,7 @@ void Simulation::setBonePose(size_t bone, const Pose& pose) {
 void Simulation::setBonePose(const std::string& bone, const Pose& pose) {
   const auto known = std::find(model_->bones.begin(), model_->bones.end(), bone);
   if (known == model_->bones.end())
-    throw Error("there is no bone '" + bone + "'", "Simulation::setBonePose",
-                didYouMean(bone, model_->bones));
+    throw Error("unknown bone '" + bone + "'", "Simulation::setBonePose", didYouMean(bone, model_->bones));
   setBonePose(static_cast<size_t>(known - model_->bones.begin()), pose);
 }
 
@@ -159,7 +159,7 @@ Simulation::PlacedBody Simulation::placed(RigidBody body, const char* where) {
   if (!body.follows_head) out.begin = out.end = body.pose;
   for (const ContactPrimitive& primitive : body.primitives)
     if (body.bends && primitive.field && primitive.rotation.angularDistance(Quat::Identity()) > 1e-6f)
-      throw Error("a field that is to bend is rotated in its body", where, "rotate the body");
+      throw Error("a distance field that bends is rotated within its body", where, "rotate the body instead");
   out.body = std::move(body);
   addShapes(out);
   return out;
@@ -182,7 +182,7 @@ const Simulation::PlacedBody* Simulation::lookUp(BodyId body) const {
 bool Simulation::hasBody(BodyId body) const { return lookUp(body) != nullptr; }
 const Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) const {
   if (const PlacedBody* placed = lookUp(body)) return *placed;
-  throw Error("there is no body " + std::to_string(body), where, "it was never added, or is removed");
+  throw Error("unknown body " + std::to_string(body), where, "it was never added, or was removed");
 }
 Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) {
   return const_cast<PlacedBody&>(std::as_const(*this).find(body, where));
@@ -190,7 +190,7 @@ Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) {
 
 BodyId Simulation::addBody(RigidBody body) {
   PlacedBody added = placed(std::move(body), "Simulation::addBody");
-  backend_->expect(stepped_, true);
+  backend_->prepare(effective_parameters_, true);
   bodies_.push_back(std::move(added));
   reserveForBodies();
   return bodies_.back().id;
@@ -245,18 +245,19 @@ void Simulation::removeBody(BodyId body) {
 void Simulation::setParameters(const Parameters& parameters) {
   checkParameters(parameters, "Simulation::setParameters");
   if (parameters.solver != parameters_.solver)
-    throw Error("the solver of a simulation does not change", "Simulation::setParameters",
+    throw Error("the solver of a simulation cannot change", "Simulation::setParameters",
                 "make another simulation");
   const Parameters stepped = withSolvableSubsteps(parameters);
-  backend_->expect(stepped, !primitives_.empty());
-  const bool surrounded = configureSurroundings(stepped);
-  if (surrounded && !surrounded_) surroundings_->reset(origin_);  // it has stood still meanwhile
-  surrounded_ = surrounded;
+  backend_->prepare(stepped, !primitives_.empty());
+  const bool surrounded = configureExternalForces(stepped);
+  if (surrounded && !has_external_forces_)
+    external_forces_->reset(origin_);  // the air has stood still meanwhile
+  has_external_forces_ = surrounded;
   parameters_ = parameters;
-  stepped_ = stepped;
+  effective_parameters_ = stepped;
 }
 
-Pose Simulation::fromOrigin(Pose pose) const {
+Pose Simulation::toLocal(Pose pose) const {
   pose.position -= origin_;
   return pose;
 }
@@ -271,15 +272,15 @@ void Simulation::placePrimitives() {
   primitives_.clear();  // keeps its memory
   for (const PlacedBody& placed : bodies_) {
     const bool head = placed.body.follows_head;
-    const Pose begin = fromOrigin(head ? bones_begin_[0] : placed.begin),
-               end = fromOrigin(head ? bones_end_[0] : placed.end);
+    const Pose begin = toLocal(head ? bones_begin_[0] : placed.begin),
+               end = toLocal(head ? bones_end_[0] : placed.end);
     for (size_t i = 0; i < placed.data.size(); ++i) {
       const ContactPrimitive& primitive = placed.body.primitives[i];
       primitives_.push_back(moved(primitive, begin, end, parameters_.time_step, placed.data[i]));
       if (placed.bends[i] == 0) continue;
       const MovingBend bend = bendOf(primitive, placed.bend_begin, placed.bend_end);
       shapes_.setBend(placed.bends[i], bend);
-      bendWith(primitives_.back(), bend, placed.bends[i]);
+      applyBend(primitives_.back(), bend, placed.bends[i]);
     }
   }
 }
@@ -295,25 +296,27 @@ void Simulation::reserveForBodies() {
 void Simulation::findNearBodies() {
   body_boxes_.clear();
   for (const MovingPrimitive& primitive : primitives_) body_boxes_.push_back(sweptBox(primitive));
-  reach_.place(told_begin_, told_end_, parameters_.hair_radius + kLookReach, strand_boxes_);
+  reach_.place(bones_begin_local_, bones_end_local_, parameters_.hair_radius + kQueryReach, strand_boxes_);
   broad_phase_->find(body_boxes_, strand_boxes_, near_);
 }
 
 StepInput Simulation::nextInput() {
   placePrimitives();
   for (size_t bone = 0; bone < bones_begin_.size(); ++bone) {
-    told_begin_[bone] = fromOrigin(bones_begin_[bone]);
-    told_end_[bone] = fromOrigin(bones_end_[bone]);
+    bones_begin_local_[bone] = toLocal(bones_begin_[bone]);
+    bones_end_local_[bone] = toLocal(bones_end_[bone]);
   }
-  // Strands of the rod stay within their length of their root, whatever pushes them; others may stretch.
+  // The broad phase needs bounded strands. Strands of the rod stay within their length of the root; others
+  // may stretch.
   const bool listed = parameters_.solver == SolverKind::kRod && !primitives_.empty();
   if (listed) findNearBodies();
-  return {&stepped_, told_begin_, told_end_, primitives_, {}, &shapes_, listed ? &near_ : nullptr};
+  return {&effective_parameters_,   bones_begin_local_, bones_end_local_, primitives_, {}, &shapes_,
+          listed ? &near_ : nullptr};
 }
 
 void Simulation::step() {
   StepInput input = nextInput();
-  if (surrounded_) surroundings_->step(input, *backend_);
+  if (has_external_forces_) external_forces_->step(input, *backend_);
   if (pull_) addPull(input);
   backend_->step(input);
   bones_begin_ = bones_end_;
@@ -327,26 +330,26 @@ void Simulation::step() {
 
 void Simulation::pullHair(const Vec3& from, float radius, const Vec3& to, float rate) {
   const auto is_place = [](const Vec3& place) {
-    return place.allFinite() && place.cwiseAbs().maxCoeff() <= kFarthestHand;
+    return place.allFinite() && place.cwiseAbs().maxCoeff() <= kMaxHandCoordinate;
   };
   const bool sound =
       is_place(from) && is_place(to) && radius >= 0 && radius <= 10 && rate >= 0 && rate <= 1000;
   if (!sound)
-    throw Error("hair cannot be pulled so",
+    throw Error("a pull is out of range",
                 fmt::format("from {} {} {} to {} {} {}, radius {} m, rate {} 1/s", from.x(), from.y(),
                             from.z(), to.x(), to.y(), to.z(), radius, rate),
                 "give places within 1000 m, a radius of 0 to 10 m and a rate of 0 to 1000 1/s");
   if (!backend_->takesAccelerations())
-    throw Error("hair cannot be pulled on this backend", backend_->name(), "choose simd, gpu or reference");
+    throw Error("this backend does not support pulls", backend_->name(), "choose simd, gpu or reference");
   if (!pull_ || !pull_->closedAt(from, radius)) pull_.emplace(*model_, guides(), from, radius);
   pull_->moveTo(to, rate);
-  backend_->expectAccelerations();
+  backend_->prepareAccelerations();
   pull_accelerations_.resize(model_->vertices());
 }
 
 void Simulation::addPull(StepInput& input) {
-  if (surrounded_) {
-    const std::span<const Vec3> others = surroundings_->accelerations();
+  if (has_external_forces_) {
+    const std::span<const Vec3> others = external_forces_->accelerations();
     std::copy(others.begin(), others.end(), pull_accelerations_.begin());
   } else {
     std::fill(pull_accelerations_.begin(), pull_accelerations_.end(), Vec3::Zero());
@@ -355,7 +358,7 @@ void Simulation::addPull(StepInput& input) {
   input.accelerations = pull_accelerations_;
 }
 
-bool needsSurroundings(const Parameters& p) {
+bool needsExternalForces(const Parameters& p) {
   const bool varies = (p.gust > 0 || p.turbulence > 0) && !p.wind.isZero();
   return p.wind_grid > 0 || varies || p.air_drag_along < 1 || p.volume_stiffness > 0 || p.hair_friction > 0;
 }
@@ -364,7 +367,7 @@ std::vector<Pose> Simulation::rootPoses() const { return rootPosesOn(*model_, bo
 
 StrandState Simulation::restNow() const {
   std::vector<Pose> bones;
-  for (const Pose& bone : bones_begin_) bones.push_back(fromOrigin(bone));
+  for (const Pose& bone : bones_begin_) bones.push_back(toLocal(bone));
   StrandState rest = restState(*model_, rootPosesOn(*model_, bones));
   if (!model_->pin_bones.empty())
     for (size_t s = 0; s < model_->strands(); ++s)
@@ -375,37 +378,37 @@ StrandState Simulation::restNow() const {
 }
 
 void Simulation::reset() {
-  letGo();
+  releaseHair();
   bones_end_ = bones_begin_;
   for (PlacedBody& body : bodies_) {
     body.end = body.begin;
     body.bend_end = body.bend_begin;
   }
   chooseOrigin(bones_begin_[0]);
-  goOnFrom(restNow());
-  if (surroundings_) surroundings_->reset(origin_);
+  uploadState(restNow());
+  if (external_forces_) external_forces_->reset(origin_);
 }
 
-void Simulation::goOnFrom(const StrandState& state) {
+void Simulation::uploadState(const StrandState& state) {
   placePrimitives();
   backend_->upload(state);
 }
 
-void Simulation::followHead() {
-  if (fromOrigin(bones_begin_[0]).position.cwiseAbs().maxCoeff() <= kFarFromOrigin) return;
+void Simulation::rebaseOrigin() {
+  if (toLocal(bones_begin_[0]).position.cwiseAbs().maxCoeff() <= kFarFromOrigin) return;
   StrandState state;
   backend_->download(state);
   const Vec3 before = origin_;
   chooseOrigin(bones_begin_[0]);
   const Vec3 way = before - origin_;
   for (Vec3& position : state.positions) position += way;
-  goOnFrom(state);
-  if (surrounded_) surroundings_->moveOrigin(origin_);
+  uploadState(state);
+  if (has_external_forces_) external_forces_->moveOrigin(origin_);
 }
 
 size_t Simulation::resetBroken() {
-  constexpr float kTooFar = 2;  // times its length: what only gauss_seidel could reach
-  followHead();
+  constexpr float kTooFar = 2;  // times its length; only gauss_seidel could reach that
+  rebaseOrigin();
   const std::span<const Vec3> now = backend_->guides();
   std::vector<size_t> broken;
   for (size_t s = 0; s < model_->strands(); ++s) {
@@ -436,11 +439,12 @@ void Simulation::teleport(const Pose& head) {
   checkPose(head, "Simulation::teleport");
   StrandState state;
   backend_->download(state);
-  // All from the two origins, old and new: from the world's a far head's way would come out coarse.
-  const Pose from = fromOrigin(bones_begin_[0]);
-  for (Pose& bone : bones_begin_) bone = fromOrigin(bone);
+  // All poses are relative to the old or the new origin: world coordinates of a far head are too coarse for
+  // the difference.
+  const Pose from = toLocal(bones_begin_[0]);
+  for (Pose& bone : bones_begin_) bone = toLocal(bone);
   chooseOrigin(head);
-  const Pose carry = fromOrigin(head) * from.inverse();
+  const Pose carry = toLocal(head) * from.inverse();
   for (Vec3& position : state.positions) position = carry.apply(position);
   for (std::vector<Vec3>* plane : {&state.velocities, &state.contacts})
     for (Vec3& vector : *plane) vector = carry.rotate(vector);
@@ -452,11 +456,11 @@ void Simulation::teleport(const Pose& head) {
   }
   bones_begin_[0] = head;
   bones_end_ = bones_begin_;
-  goOnFrom(state);
-  if (surroundings_) surroundings_->reset(origin_);
+  uploadState(state);
+  if (external_forces_) external_forces_->reset(origin_);
 }
 
-void Simulation::goOnAs(const StrandState& state, double time) {
+void Simulation::resumeFrom(const StrandState& state, double time) {
   const size_t vertices = model_->vertices();
   const auto fits = [&](const auto& array, const auto& isFinite, bool may_lack = false) {
     return (array.size() == vertices || (may_lack && array.empty())) &&
@@ -470,7 +474,7 @@ void Simulation::goOnAs(const StrandState& state, double time) {
                          state.tensions, [](float t) { return std::isfinite(t); }, true) &&
                      fits(state.contacts, vector, true) && std::isfinite(time) && time >= 0;
   if (!sound)
-    throw Error("this hair does not fit the model", "Simulation::goOnAs",
+    throw Error("the hair state does not fit the model", "Simulation::resumeFrom",
                 fmt::format("it has {} vertices of {}, or numbers that are not finite",
                             state.positions.size(), vertices));
   bones_begin_ = bones_end_;
@@ -481,8 +485,8 @@ void Simulation::goOnAs(const StrandState& state, double time) {
   chooseOrigin(bones_begin_[0]);
   StrandState own = state;
   for (Vec3& position : own.positions) position -= origin_;
-  goOnFrom(own);
-  if (surroundings_) surroundings_->reset(origin_);
+  uploadState(own);
+  if (external_forces_) external_forces_->reset(origin_);
   time_ = time;
 }
 

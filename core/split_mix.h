@@ -3,8 +3,8 @@
 
 namespace strandcast {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): well mixed bits of any number. Of 0, kSplitMixStep, 2 kSplitMixStep
-/// and so on, from any start, it is a stream of random ones.
+/// SplitMix64 (Steele, Lea, Flood 2014): hashes any number to well mixed bits. Applied to start, start +
+/// kSplitMixStep, start + 2 kSplitMixStep and so on it is a random number generator.
 constexpr uint64_t kSplitMixStep = 0x9e3779b97f4a7c15u;
 constexpr uint64_t splitMix64(uint64_t x) {
   x += kSplitMixStep;

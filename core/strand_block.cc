@@ -50,12 +50,13 @@ Scalar* BlockStore<Scalar>::roots(const Block& block) const {
   return planes(block, 0) + static_cast<size_t>(block.vertices) * kBlockPlanes * lanes_;
 }
 template <class Scalar>
-Scalar* BlockStore<Scalar>::sizes(const Block& block) const {
+Scalar* BlockStore<Scalar>::massData(const Block& block) const {
   return roots(block) + static_cast<size_t>(kRootPlanes) * lanes_;
 }
 template <class Scalar>
 Scalar* BlockStore<Scalar>::grooming(const Block& block) const {
-  return sizes(block) + static_cast<size_t>(sizeRows(block.vertices, block.uniform)) * kSizePlanes * lanes_;
+  return massData(block) +
+         static_cast<size_t>(massRows(block.vertices, block.uniform)) * kMassPlanes * lanes_;
 }
 
 template <class Scalar>
@@ -86,7 +87,7 @@ void BlockStore<Scalar>::layOut() {
   pins_.clear();
   max_vertices_ = 0;
   rows_ = 0;
-  for (Table* table : {&rest_local_, &course_, &contacts_}) table->numbers = Memory();
+  for (Table* table : {&rest_local_, &pbd_, &contacts_}) table->numbers = Memory();
   StrandOrder order = strandOrder(*model_);
   order_ = std::move(order.strands);
   size_t memory = 0;
@@ -123,7 +124,7 @@ void BlockStore<Scalar>::layOut() {
                                  (block.pins > 0 ? kBonePinPlanes : 0) +
                                  (model_->rest_distance.empty() ? 0 : 1);
     memory += static_cast<size_t>(planes_of_vertex * block.vertices + kRootPlanes +
-                                  kSizePlanes * sizeRows(block.vertices, block.uniform)) *
+                                  kMassPlanes * massRows(block.vertices, block.uniform)) *
               lanes_;
     rows_ += vertices;
     max_vertices_ = std::max(max_vertices_, block.vertices);
@@ -156,9 +157,9 @@ void BlockStore<Scalar>::setStrand(const Block& block, int lane) {
   const int last = block.vertices - 1;
   const std::span<const Vec3> rest(model.rest_local.data() + first, block.vertices);
   const float mean_length = arcLength(rest) / static_cast<float>(last);
-  // Sizes in a strand that is cut evenly differ by rounding only, and are made equal, whatever strands are
-  // beside it, so that one row may stand for all. Rest lengths stay as they are: hair rests on them to the
-  // last digit.
+  // In an evenly cut strand, mass data of vertices differ by rounding only. They are made equal,
+  // independently of the other strands of the block, so that one row may serve all inner vertices. Rest
+  // lengths stay exact: hair rests on them to the last digit.
   const bool even = block.uniform || isEven(strand);
   for (int i = 0; i <= last; ++i) {
     auto put = [&](int plane, float value) { number(block, plane, i, lane) = static_cast<Scalar>(value); };
@@ -171,8 +172,8 @@ void BlockStore<Scalar>::setStrand(const Block& block, int lane) {
     const float bends_over = even && i < last ? mean_length : std::max(length, kShortestEdge * mean_length);
     const uint32_t alike = even && i > 0 && i < last ? first + 1 : v;
     const bool pinned = model.isPinned(strand, alike);
-    Scalar* row = sizes(block) +
-                  static_cast<size_t>(sizeRow(i, block.vertices, block.uniform)) * kSizePlanes * lanes_ +
+    Scalar* row = massData(block) +
+                  static_cast<size_t>(massRow(i, block.vertices, block.uniform)) * kMassPlanes * lanes_ +
                   lane;
     row[kInverseLength * lanes_] = Scalar(1 / bends_over);
     row[kMass * lanes_] = Scalar(pinned ? kPinnedMass : model.mass[alike]);
@@ -204,7 +205,7 @@ void BlockStore<Scalar>::forStrands(const Table& table, const Put& put) {
 }
 
 template <class Scalar>
-void BlockStore<Scalar>::expect(const Parameters& parameters, bool bodies) {
+void BlockStore<Scalar>::prepare(const Parameters& parameters, bool bodies) {
   const bool rod = parameters.solver == SolverKind::kRod;
   if (rod && bodies) makeRoom(contacts_);
   if ((!rod || held_ || parameters.goal_rate > 0) && rest_local_.numbers.empty()) {
@@ -215,9 +216,9 @@ void BlockStore<Scalar>::expect(const Parameters& parameters, bool bodies) {
         for (int c = 0; c < 3; ++c) entry(c, v - first) = static_cast<Scalar>(model_->rest_local[v][c]);
     });
   }
-  if (!rod && course_.numbers.empty()) {
-    makeRoom(course_);
-    forStrands(course_, [&](uint32_t strand, const auto& entry) {
+  if (!rod && pbd_.numbers.empty()) {
+    makeRoom(pbd_);
+    forStrands(pbd_, [&](uint32_t strand, const auto& entry) {
       const uint32_t first = model_->offsets[strand];
       const std::span<const Vec3> rest(model_->rest_local.data() + first, model_->verticesOf(strand));
       std::array<Vec3, kMaxVerticesPerStrand> edges;
@@ -372,14 +373,14 @@ BlockView<Scalar> BlockStore<Scalar>::block(size_t b, const StepInput& input, Sc
           planes(block, kRestStrain),
           planes(block, kBend),
           planes(block, kTwist),
-          sizes(block),
+          massData(block),
           roots(block),
           block.factors,
           groomed(block) ? grooming(block) : nullptr,
           block.pins > 0 ? bonePins(block) : nullptr,
           model_->rest_distance.empty() ? nullptr : restDistance(block),
           {rows(rest_local_, block)},
-          rows(course_, block),
+          rows(pbd_, block),
           {rows(contacts_, block)},
           {accelerations},
           block.neighbourhood};

@@ -29,8 +29,9 @@ void checkStrand(std::span<const Vec3> points, size_t strand) {
   }
 }
 
-/// Twist-free frames along the rest shape, relative to the root frame, which is returned: the strand's
-/// tangent at the root itself, half a joint before the middle of the first edge.
+/// Sets twist-free (Bishop 1975) material frames along the rest shape, relative to the root frame. Returns
+/// the root frame, whose z axis is the strand's tangent at the root itself: half a joint before the middle of
+/// the first edge.
 Eigen::Quaterniond restFrames(std::span<const Vec3> points, std::span<Quat> frames) {
   const size_t edges = points.size() - 1;
   std::vector<Eigen::Quaterniond> world(edges);
@@ -54,8 +55,8 @@ Eigen::Quaterniond restFrames(std::span<const Vec3> points, std::span<Quat> fram
   return root;
 }
 
-/// Mass, stiffness and rest strain of strand s (Romero, Neukirch, Bertails-Descoubes 2021: a rod whose root
-/// frame is clamped converges with the second order when the first joint gets half a cell).
+/// Sets mass, stiffness and rest strain of strand s. A rod with a clamped root frame converges with second
+/// order if the first joint gets half a cell (Romero, Neukirch, Bertails-Descoubes 2021).
 void setRod(StrandModel& model, size_t s, const Material& material) {
   const uint32_t first = model.offsets[s];
   const size_t edges = model.verticesOf(s) - 1;
@@ -86,8 +87,8 @@ void setRod(StrandModel& model, size_t s, const Material& material) {
     const double cell = before + behind;
     const double bending = sections.bendingStiffness(along - before, along + behind);
     const Eigen::Quaterniond outer(model.rest_frames[v].cast<double>());
-    // The law is in 2 tan(theta/2): this keeps its stiffness at the rest angle that of the rod, up to the
-    // fold where the law is capped.
+    // Strain is 2 tan(theta / 2). This scale makes the stiffness of that law at the rest angle equal to the
+    // rod's, up to the fold at which the law is clamped.
     const double cosine = cappedCosine(inner, outer);
     const double scale = cosine * cosine / (cell * reference);
     model.rest_strain[v] = strainOfJoint(inner, outer).cast<float>();
@@ -134,7 +135,7 @@ bool isGrooming(const Material& material) {
 }  // namespace
 
 float evenTolerance(const StrandModel& model, size_t strand) {
-  constexpr float kPlace = 0x1p-22f;  // of a coordinate: what the rounding of both ends makes of an edge
+  constexpr float kPlace = 0x1p-22f;  // of a coordinate: rounding of an edge's two ends
   const size_t vertices = model.verticesOf(strand);
   const float length = arcLength({model.rest_local.data() + model.offsets[strand], vertices});
   const float far = model.rest_roots[strand].position.norm() + length;
@@ -181,7 +182,7 @@ bool StrandModel::hasFactors(size_t strand) const {
 
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials) {
   checkStrandSet(rest, "makeStrandModel");
-  if (materials.empty()) throw Error("there is no material", "makeStrandModel", "give one at least");
+  if (materials.empty()) throw Error("no material is given", "makeStrandModel", "give at least one");
   for (const Material& material : materials) checkMaterial(material, "material");
   StrandModel model;
   model.offsets = rest.offsets;
@@ -233,9 +234,9 @@ void checkModel(const StrandModel& model, const std::string& where) {
   for (size_t s = 0; s < strands; ++s)
     if (offsets[s + 1] < offsets[s] + kMinVerticesPerStrand ||
         offsets[s + 1] > offsets[s] + kMaxVerticesPerStrand)
-      throw Error(
-          fmt::format("a strand has not {} to {} vertices", kMinVerticesPerStrand, kMaxVerticesPerStrand),
-          fmt::format("{}, strand {}", where, s), "make the model with makeStrandModel()");
+      throw Error(fmt::format("a strand does not have {} to {} vertices", kMinVerticesPerStrand,
+                              kMaxVerticesPerStrand),
+                  fmt::format("{}, strand {}", where, s), "make the model with makeStrandModel()");
   const auto check = [&](const char* name, const auto& values, size_t count, bool may_be_empty, auto sound,
                          const char* advice = "make it with makeStrandModel()") {
     if (!(may_be_empty && values.empty()) && values.size() != count)
@@ -294,7 +295,7 @@ uint16_t addBone(StrandModel& model, const std::string& bone) {
   const auto known = std::find(model.bones.begin(), model.bones.end(), bone);
   const size_t index = static_cast<size_t>(known - model.bones.begin());
   if (index > UINT16_MAX)
-    throw Error("there are too many bones", fmt::format("bone '{}'", bone), "use 65,535 at most");
+    throw Error("the model has too many bones", fmt::format("bone '{}'", bone), "use 65,535 at most");
   if (known == model.bones.end()) model.bones.push_back(bone);
   return static_cast<uint16_t>(index);
 }
@@ -303,14 +304,14 @@ void pinToBone(StrandModel& model, size_t strand, float from, float to, uint16_t
   const std::string name = bone < model.bones.size() ? model.bones[bone] : std::to_string(bone);
   const std::string where = fmt::format("bone '{}', strand {}", name, strand);
   if (bone >= model.bones.size())
-    throw Error("there is no such bone", where, fmt::format("the model has {}", model.bones.size()));
+    throw Error("unknown bone", where, fmt::format("the model has {}", model.bones.size()));
   if (strand >= model.strands())
-    throw Error("there is no such strand", where, fmt::format("the model has {}", model.strands()));
+    throw Error("unknown strand", where, fmt::format("the model has {}", model.strands()));
   if (!(from >= 0 && from <= to && to <= 1))
-    throw Error(fmt::format("{:g} to {:g} is no part of a strand", from, to), where,
+    throw Error(fmt::format("{:g} to {:g} is not a part of a strand", from, to), where,
                 "give 0 (root) to 1 (tip), in order");
 
-  constexpr float kRounding = 1e-4f;  // of the strand's length: a limit at a vertex takes it
+  constexpr float kRounding = 1e-4f;  // of the strand's length, so that a limit at a vertex includes it
   const uint32_t first = model.offsets[strand], end = model.offsets[strand + 1];
   const float total = arcLength({model.rest_local.data() + first, end - first});
   std::vector<uint32_t> pinned;
@@ -364,8 +365,8 @@ std::vector<float> strandLengths(const StrandModel& model) {
 
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots) {
   if (roots.size() != model.strands())
-    throw Error(fmt::format("there are {} roots for {} strands", roots.size(), model.strands()), "restState",
-                "give one for each");
+    throw Error(fmt::format("{} roots are given for {} strands", roots.size(), model.strands()), "restState",
+                "give one per strand");
   StrandState state;
   state.positions.resize(model.vertices());
   state.frames.resize(model.vertices());

@@ -6,8 +6,8 @@
 namespace strandcast {
 namespace {
 
-/// Places of the roots along a Z-order curve (Morton 1966) through their box: neighbours on it are neighbours
-/// on the head.
+/// Positions of the roots on a Z-order curve (Morton 1966) through their box: neighbours on the curve are
+/// neighbours on the head.
 std::vector<uint32_t> mortonCodes(const std::vector<Pose>& roots) {
   Box box;
   for (const Pose& root : roots) box.extend(root.position);

@@ -7,7 +7,7 @@
 namespace strandcast {
 namespace {
 
-constexpr float kStretch = 1.1f;  // more than edges before a pin do
+constexpr float kStretch = 1.1f;  // more than edges before a pin stretch
 
 bool isHeldElsewhere(const StrandModel& model, uint32_t strand) {
   for (uint32_t v = model.offsets[strand]; v < model.offsets[strand + 1]; ++v)
@@ -15,7 +15,7 @@ bool isHeldElsewhere(const StrandModel& model, uint32_t strand) {
   return false;
 }
 
-// A box that holds what is in `box`, carried by `pose`.
+// Bounding box of `box` after it is carried by `pose`.
 Box carried(const Box& box, const Pose& pose) {
   const Eigen::Vector3f middle(pose.apply(Vec3(box.center())));
   const Eigen::Vector3f half = pose.rotation.toRotationMatrix().cwiseAbs() * (0.5f * box.sizes());

@@ -6,27 +6,28 @@
 
 namespace strandcast {
 
-/// How far the strands of each neighbourhood of a StrandOrder may come from their roots in a step.
+/// Bounds of the strands of each neighbourhood of a StrandOrder in a step, for the broad phase.
 class StrandReach {
  public:
-  /// `lengths`: of the strands at rest, m.
+  /// `lengths`: rest length per strand, m.
   StrandReach(const StrandModel& model, const StrandOrder& order, std::span<const float> lengths);
 
   size_t neighbourhoods() const { return reach_.size(); }
-  /// Boxes that hold them while the model's bones go from `begin` to `end`, one per neighbourhood, `margin`
-  /// (m) larger on all sides. Those of strands that other bones hold too are endless.
+  /// Fills `boxes`, one per neighbourhood, with bounds while the model's bones move from `begin` to `end`,
+  /// enlarged by `margin` (m) on all sides. They are infinite for strands with pins on other bones than that
+  /// of their root.
   void place(std::span<const Pose> begin, std::span<const Pose> end, float margin,
              std::span<Box> boxes) const;
 
  private:
-  /// Roots of a neighbourhood that ride on one bone.
+  /// Roots of a neighbourhood on one bone.
   struct Roots {
     uint32_t neighbourhood;
     uint16_t bone;
     Box box;  ///< m, in the bone's frame
   };
   std::vector<Roots> roots_;
-  std::vector<float> reach_;  ///< m, per neighbourhood; kEndless where another bone holds a strand of it
+  std::vector<float> reach_;  ///< m, per neighbourhood; kEndless if another bone holds one of its strands
 };
 
 }  // namespace strandcast

@@ -32,7 +32,7 @@ void checkStrandSet(const StrandSet& strands, const std::string& where) {
       std::all_of(strands.positions.begin(), strands.positions.end(), is_finite) &&
           std::all_of(strands.uvs.begin(), strands.uvs.end(), is_finite) &&
           std::all_of(strands.radii.begin(), strands.radii.end(), [](float r) { return std::isfinite(r); }),
-      "the groom has a number that is not finite", "clean the groom up first");
+      "the groom has a number that is not finite", "clean the groom first");
   require(std::all_of(strands.radii.begin(), strands.radii.end(), [](float r) { return r >= 0; }),
           "the groom has a negative radius", "give 0 or more, or no radii");
 }

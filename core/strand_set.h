@@ -9,18 +9,18 @@
 
 namespace strandcast {
 
-/// Strands of any vertex counts, in natural order: strand after strand, root to tip. The form in which grooms
-/// are loaded, guides are published and backends are filled. Every array that is "per vertex" follows this
-/// order.
+/// Strands of any vertex counts in natural order: strand after strand, each from root to tip. Grooms are
+/// loaded, guides published and backends filled in this form. Every array "per vertex" follows this order.
 struct StrandSet {
   std::vector<uint32_t> offsets{
-      0};                       ///< strands + 1; vertices of strand s are offsets[s] .. offsets[s + 1] - 1
-  std::vector<Vec3> positions;  ///< per vertex, metres
-  std::vector<uint8_t> pinned;  ///< per vertex, 1 = moves with the root; empty = only the root vertex is
-  /// Per vertex, metres, 0 or more; may be empty. Carried with the groom for those who draw it: the
-  /// simulation and the renderer of this project take Material::radius and its taper.
+      0};  ///< strands + 1 entries; vertices of strand s are offsets[s] .. offsets[s + 1] - 1
+  std::vector<Vec3> positions;  ///< per vertex, m
+  std::vector<uint8_t>
+      pinned;  ///< per vertex, 1 = moves with the root; empty = only root vertices are pinned
+  /// Per vertex, m, 0 or more; may be empty. Stored for other renderers: the simulation and the renderer of
+  /// this project use Material::radius and its taper.
   std::vector<float> radii;
-  std::vector<Vec2> uvs;        ///< per strand, on the scalp; may be empty
+  std::vector<Vec2> uvs;        ///< per strand, texture coordinates on the scalp; may be empty
   std::vector<uint16_t> parts;  ///< per strand, index of the file or group it came from; may be empty
 
   size_t strands() const { return offsets.size() - 1; }
@@ -35,11 +35,11 @@ struct StrandSet {
   void append(std::span<const Vec3> points);
 };
 
-/// Throws Error, naming `where`, when arrays do not fit each other (no strand at all fits), or a number is
-/// not finite, or a radius is negative.
+/// Throws Error, naming `where`, if arrays do not fit each other, a number is not finite or a radius is
+/// negative. A set without strands passes.
 void checkStrandSet(const StrandSet& strands, const std::string& where);
 
-/// Length along the strand, metres.
+/// Arc length of a strand, m.
 float arcLength(std::span<const Vec3> points);
 
 }  // namespace strandcast

@@ -1,9 +1,9 @@
-// What the sweeps over blocks of strands share, over any lane type: included inside a namespace that has the lane vocabulary
-// and the kernel text, before them. A lane is a strand and the loops run along it.
+// What the sweeps of both solvers share, over any lane type. Included before them inside a namespace that has the lane
+// vocabulary and the kernel text. A lane is a strand; loops run along it.
 
 using Block = BlockView<Scalar>;
 
-// Where row i of a quantity's plane starts, from that quantity's pointer in the block.
+// Offset of row i of a plane from the pointer of its quantity in the block.
 constexpr size_t at(int plane, int i) { return (static_cast<size_t>(i) * kBlockPlanes + plane) * kLanes; }
 
 inline real3 load3(const Scalar* planes, int i) {
@@ -25,18 +25,18 @@ inline void store3(const real3& value, const VectorRows<Scalar>& rows, int i) {
   store(value.y, row + kLanes);
   store(value.z, row + 2 * kLanes);
 }
-inline const Scalar* sizeOf(const Block& b, SizePlane plane, int i) {
-  return b.sizes + (static_cast<size_t>(sizeRow(i, b.vertices, b.uniform)) * kSizePlanes + plane) * kLanes;
+inline const Scalar* massData(const Block& b, MassPlane plane, int i) {
+  return b.mass_data + (static_cast<size_t>(massRow(i, b.vertices, b.uniform)) * kMassPlanes + plane) * kLanes;
 }
 inline real3 fill3(const Vec3& v) { return fill3(v.data()); }
 
-// Of BlockView::grooming, where there is none a factor of 1.
+// Factor from BlockView::grooming; 1 if the block has none.
 inline real groomingFactor(const Block& b, GroomingPlane plane, int i) {
   if (b.grooming == nullptr) return lit(1);
   return load(b.grooming + (static_cast<size_t>(i) * kGroomingPlanes + plane) * kLanes);
 }
 
-// Of BlockView::acceleration, which there must be.
+// Precondition: BlockView::acceleration is not null.
 inline real3 accelerationOf(const Block& b, int i) { return load3(b.acceleration, i); }
 
 struct RootFrame {
@@ -50,11 +50,11 @@ inline RootFrame loadRoot(const Block& b, int first_plane) {
           {load(p + 3 * next), load(p + 4 * next), load(p + 5 * next), load(p + 6 * next)}};
 }
 
-// Vertex i of the rest shape as the root carries it.
+// Position of vertex i of the rest shape as the root carries it, m.
 inline real3 restPoint(const Block& b, const RootFrame& root, int i) {
   return rotate(root.rotation, load3(b.rest_local, i)) + root.position;
 }
-// Where vertex i is to be if it is pinned; `time`: the part of the step that has passed then.
+// Position of vertex i if it is pinned, m. `time`: fraction of the step that has passed, 0 to 1.
 inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time) {
   const real3 by_root = restPoint(b, root, i);
   if (b.bone_pins == nullptr) return by_root;
@@ -67,21 +67,21 @@ inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time
   return select(load(row) > lit(0.5), madd(place(kHeldEnd) - begin, lit(time), begin), by_root);
 }
 
-// What a body is to a vertex in a substep: a plane along its surface.
-struct Touch {
-  real gap;        // m, to its surface, or to the plane through where the way met it
-  real3 normal;    // of the same
-  real3 carried;   // m, where the surface has taken the point at which the vertex was
-  real friction;   // of its body
+// Contact plane: a body's surface as a vertex sees it in a substep.
+struct ContactPlane {
+  real gap;        // m, of the vertex to the plane, less its clearance; negative inside
+  real3 normal;    // unit, out of the body
+  real3 carried;   // m, where the surface has carried the point at which the vertex was
+  real friction;   // Coulomb coefficient of the body
 };
-// Of a vertex at x with no body nearer than `reach`.
-inline Touch untouched(const real3& x, const real& reach) { return {reach, makeReal3(lit(0), lit(0), lit(0)), x, lit(0)}; }
-inline Touch chosen(const mask& first, const Touch& a, const Touch& b) {
+// Contact plane of a vertex at x with no body nearer than `reach`.
+inline ContactPlane noContact(const real3& x, const real& reach) { return {reach, makeReal3(lit(0), lit(0), lit(0)), x, lit(0)}; }
+inline ContactPlane chosen(const mask& first, const ContactPlane& a, const ContactPlane& b) {
   return {select(first, a.gap, b.gap), select(first, a.normal, b.normal), select(first, a.carried, b.carried),
           select(first, a.friction, b.friction)};
 }
 
-// Where a body takes a point of it in a substep.
+// Position to which a body carries one of its points in a substep, with the motion of a bent surface.
 inline real3 carriedOf(const SubstepBody& body, const real3& point) {
   const real3 rigidly = carriedBy(point, spread(body.a), spread(body.a_motion), spread(body.turn));
   if (!isBent(body)) return rigidly;
@@ -92,15 +92,17 @@ inline real3 carriedOf(const SubstepBody& body, const real3& point) {
   return rigidly + rotate(rotation, bent - local);
 }
 
-// What this body is to a vertex that goes from x_start to x in the substep, in `touch`, which is left alone where the body is
-// farther than `reach` (m, plus the way). Seen from the body the vertex comes from where the surface has taken x_start. If the
-// normal there and at x are alike, the nearest point of the surface is the way out; if not, the way may lead through the body,
-// and distances tell how far it is free (conservative advancement, Mirtich 1996): where that ends, the plane along the surface
-// bounds the vertex. It has all of a convex body behind it; in a crease the way may only graze that side, and x is deeper in the
-// other.
-// `clear`: how far from the surface x must be, m, at most the hair's radius. Only of `lanes`. Gives at most the gap, m.
-inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const real& reach,
-                 const mask& lanes, Touch& touch) {
+// Contact plane of a body for a vertex that moves from x_start to x in the substep. Writes `plane` if the body is
+// nearer than `reach` (m) plus the vertex's relative displacement. Returns a lower bound of the gap, m. `clear`:
+// distance that x must keep from the surface, m, at most the hair's radius. Only of `lanes`.
+//
+// Seen from the body, the vertex moves in a straight line from the carried point of x_start to x. If the normals at
+// both ends are within 60 degrees, the nearest surface point of x gives the plane. Otherwise the segment may pass
+// through the body: up to 8 steps of conservative advancement (Mirtich 1996) find where it meets the surface, and the
+// plane there bounds the vertex. That plane has all of a convex body behind it. In a crease the segment may only graze
+// that side; so it counts only if x is deeper behind it than in the body.
+inline real closestContact(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const real& reach,
+                 const mask& lanes, ContactPlane& plane) {
   constexpr int kAdvances = 8;
   const real3 carried = carriedOf(body, x_start), way = x - carried;
   const real way2 = dot(way, way);
@@ -128,7 +130,7 @@ inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, 
       for (int i = 0; i < kAdvances; ++i) {
         const real before = part;
         part = min(madd(max(at.distance - clear, lit(0)), per_way, part), lit(1));
-        if (i > 0 && !anyTrue(across && part > before)) break;  // nobody sees anything new
+        if (i > 0 && !anyTrue(across && part > before)) break;  // no lane advances any more
         at = surfaceAt(body, madd(way, part, carried), clear, across);
       }
       const real free = at.distance - clear, beyond = free + dot(at.normal, way) * (lit(1) - part);
@@ -137,6 +139,6 @@ inline real meet(const SubstepBody& body, const real3& x, const real3& x_start, 
       normal = select(met, at.normal, normal);
     }
   }
-  touch = chosen(near, {gap, normal, carried, lit(body.friction)}, touch);
+  plane = chosen(near, {gap, normal, carried, lit(body.friction)}, plane);
   return room;
 }

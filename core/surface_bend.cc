@@ -15,7 +15,7 @@ using kernels::f32::real3;
 real3 toKernel(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 fromKernel(const real3& v) { return {v.x, v.y, v.z}; }
 
-/// In a box that holds whatever is asked for.
+/// Kernel form of a bend, in a box that contains all points.
 kernels::f32::Bend kernelBend(const Terms& t) {
   constexpr float kEndless = 1e30f;
   return {toKernel(t[0]),
@@ -31,14 +31,15 @@ kernels::f32::Bend kernelBend(const Terms& t) {
           {kEndless, kEndless, kEndless}};
 }
 
-/// How the shift changes along each axis.
+/// Derivatives of the shift along each axis.
 std::array<Vec3, 3> rates(const Terms& terms, const Vec3& p) {
   real3 by_x, by_y, by_z;
   kernels::f32::bendRates(kernelBend(terms), toKernel(p), by_x, by_y, by_z);
   return {fromKernel(by_x), fromKernel(by_y), fromKernel(by_z)};
 }
 
-/// Of what has these terms, in a box that reaches so far from its middle, by its terms one by one.
+/// Upper bound of the norm of the polynomial with these terms in a box of half extents `reach`: the sum over
+/// its terms.
 float most(const Terms& terms, const Vec3& reach) {
   const float x = reach.x(), y = reach.y(), z = reach.z();
   const std::array<float, 10> products = {1, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x};
@@ -47,7 +48,7 @@ float most(const Terms& terms, const Vec3& reach) {
   return sum;
 }
 
-/// The largest gradient is at a corner: it is linear, and a norm of that convex.
+/// The greatest gradient norm is at a corner of the box: the gradient is linear and its norm convex.
 float steepest(const Terms& terms, const Vec3& reach) {
   float found = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -81,14 +82,14 @@ Vec3 SurfaceBend::shift(const Vec3& p) const {
 
 Vec3 SurfaceBend::placed(const Vec3& rest) const {
   constexpr int kMostRounds = 8, kMostHalvings = 4;
-  constexpr float kNear = 1e-6f;  // m
+  constexpr float kNear = 1e-6f;  // m, residual
   const kernels::f32::Bend bend = kernelBend(terms);
   const Vec3 from_middle = rest - middle;
   const auto offAt = [&](const Vec3& x) {
     return Vec3(x + fromKernel(kernels::f32::bendShift(bend, toKernel(x))) - from_middle);
   };
-  // The fixed point x = rest - w(x) runs away where skin is pressed together and w changes by more than the
-  // way; Newton's steps, halved while they lead off, come no farther from what is sought than they began.
+  // The fixed-point iteration x = rest - w(x) diverges where skin is compressed so much that w changes faster
+  // than x. Newton steps with halving never increase the residual.
   Vec3 x = from_middle, off = offAt(x);
   for (int round = 0; round < kMostRounds && off.norm() > kNear; ++round) {
     real3 by_x, by_y, by_z;

@@ -8,12 +8,13 @@
 
 namespace strandcast::gl {
 
-/// A buffer object of fixed size; needs a current context for its whole life.
+/// A buffer object of fixed size. Needs a current context for its whole life; a default-constructed one has
+/// no object and needs none.
 class Buffer {
  public:
   Buffer() = default;
-  /// `flags` as for glNamedBufferStorage. A size of 0 makes a buffer of 16 bytes, so that it can always be
-  /// bound.
+  /// `flags` as for glNamedBufferStorage. Sizes below 16 bytes are raised to 16, so that the buffer can
+  /// always be bound. Allocation failure is a GL error: see ranOutOfMemory().
   Buffer(size_t bytes, const void* data, GLbitfield flags) : bytes_(bytes < 16 ? 16 : bytes) {
     glCreateBuffers(1, &id_);
     bytes_of_all += bytes_;
@@ -21,6 +22,7 @@ class Buffer {
     if (bytes > 0 && bytes < 16 && data != nullptr && (flags & GL_DYNAMIC_STORAGE_BIT) != 0)
       glNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(bytes), data);
   }
+  /// A copy of `data`, with GL_DYNAMIC_STORAGE_BIT.
   template <class T>
   explicit Buffer(std::span<const T> data) : Buffer(data.size_bytes(), data.data(), GL_DYNAMIC_STORAGE_BIT) {}
   ~Buffer() {
@@ -35,7 +37,8 @@ class Buffer {
     return *this;
   }
 
-  /// Needs GL_DYNAMIC_STORAGE_BIT.
+  /// Overwrites bytes from `first_byte` on. Precondition: made with GL_DYNAMIC_STORAGE_BIT, and the data
+  /// fits.
   template <class T>
   void write(std::span<const T> data, size_t first_byte = 0) {
     glNamedBufferSubData(id_, static_cast<GLintptr>(first_byte), static_cast<GLsizeiptr>(data.size_bytes()),
@@ -44,7 +47,7 @@ class Buffer {
   void bindStorage(GLuint binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id_); }
   GLuint id() const { return id_; }
   size_t bytes() const { return bytes_; }
-  /// Of all buffers of this program that are alive.
+  /// Total size of all live buffers of the process. Thread-safe.
   static size_t bytesOfAll() { return bytes_of_all; }
 
  private:

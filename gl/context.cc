@@ -34,7 +34,7 @@ std::vector<EGLDeviceEXT> eglDevices() {
   return devices;
 }
 
-/// Mesa's software device says so. Null strings are usual: those of NVIDIA's devices have been seen to be.
+/// Mesa marks its software device by an extension. The extension string may be null, as on NVIDIA's devices.
 bool isSoftwareDevice(EGLDeviceEXT device) {
   const char* extensions = eglQueryDeviceStringEXT(device, EGL_EXTENSIONS);
   return extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software") != nullptr;
@@ -46,7 +46,7 @@ EGLDisplay displayOf(EGLDeviceEXT device) {
 
 std::string labelOf(size_t number) { return "EGL device " + std::to_string(number); }
 
-/// Of the device of the current context; empty where the driver has none.
+/// UUID of the current context's device; empty if the driver has none.
 std::string currentUuid() {
   if (!epoxy_has_gl_extension("GL_EXT_memory_object")) return {};
   std::array<GLubyte, GL_UUID_SIZE_EXT> bytes{};
@@ -102,8 +102,7 @@ struct HeadlessContext::Impl {
         eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
       eglDestroyContext(display, context);
     }
-    // The display is shared by every context of the process: terminating it here would pull it from under
-    // them.
+    // No eglTerminate(): all contexts of the process share the display.
   }
 
   bool create(EGLDisplay candidate, const std::string& label, std::string& tried) {

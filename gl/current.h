@@ -5,8 +5,8 @@
 
 namespace strandcast::gl {
 
-/// Remembers which EGL context the calling thread has and gives it back at the end of the scope, so that a
-/// library that works in a context of its own leaves its caller's alone.
+/// Restores the calling thread's current EGL context at the end of the scope, so that code with its own
+/// context leaves its caller's unchanged.
 class RestoreCurrent {
  public:
   RestoreCurrent()
@@ -30,8 +30,8 @@ class RestoreCurrent {
   EGLSurface draw_, read_;
 };
 
-/// Makes `context` current for the scope. Afterwards no thread holds it, so the next scope may be on any
-/// thread.
+/// Makes `context` current for the scope, and restores the thread's previous context afterwards. The next
+/// scope may then be on any thread.
 class MakeCurrent {
  public:
   explicit MakeCurrent(HeadlessContext& context) { context.makeCurrent(); }

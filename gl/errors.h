@@ -3,12 +3,12 @@
 
 namespace strandcast::gl {
 
-/// Forgets the errors of earlier commands, so that what ranOutOfMemory() tells is of later ones.
+/// Clears the errors of earlier commands, so that ranOutOfMemory() reports later ones only.
 inline void discardErrors() {
   for (int i = 0; i < 64 && glGetError() != GL_NO_ERROR; ++i) {
   }
 }
-/// Whether something that was made since discardErrors() does not fit the memory there is.
+/// Whether an allocation since discardErrors() ran out of memory. Clears the error.
 inline bool ranOutOfMemory() { return glGetError() == GL_OUT_OF_MEMORY; }
 
 }  // namespace strandcast::gl

@@ -8,18 +8,19 @@
 
 namespace strandcast::gl {
 
-/// One shader of a program. `text` starts with #version; `defines` ("#define A 1\n...") are put after that
-/// line.
+/// One shader of a program. `text` starts with #version; `defines` ("#define A 1\n...") are inserted after
+/// that line.
 struct ShaderStage {
   GLenum kind;  ///< GL_COMPUTE_SHADER, GL_VERTEX_SHADER, ...
   const char* text;
   std::string defines = {};
 };
 
-/// A linked program; needs a current context for its whole life. Throws Error with the driver's log when it
-/// does not build. Uniforms that the program does not have are ignored, as GL does.
+/// A linked program. Needs a current context for its whole life. Setting a uniform that the program does not
+/// have has no effect.
 class Program {
  public:
+  /// `name` appears in errors. Throws Error with the driver's log if it does not build.
   Program(const std::string& name, const std::vector<ShaderStage>& stages);
   ~Program();
   Program(Program&& other) noexcept : id_(other.id_) { other.id_ = 0; }

@@ -6,7 +6,7 @@
 
 namespace strandcast::gpu {
 
-/// The uniform block of shaders/air_settings.glsl, std140.
+/// The uniform block of shaders/air_settings.glsl, std140. That file has the units of its members.
 struct AirSettings {
   using Vec4 = std::array<float, 4>;
   using Rows = std::array<Vec4, 3>;
@@ -42,12 +42,12 @@ struct AirSettings {
 };
 static_assert(sizeof(AirSettings) == 304);
 
-/// The settings as they are now, and their buffer.
+/// The settings of the air's passes and their uniform buffer. Needs a current context for its whole life.
 class AirBlock {
  public:
   AirBlock() : buffer_(sizeof(AirSettings), nullptr, GL_DYNAMIC_STORAGE_BIT) {}
   AirSettings settings{};
-  /// Hands them to the GPU, for the commands that follow.
+  /// Copies `settings` to the GPU for later commands, and binds the block.
   void send() {
     buffer_.write(std::span<const AirSettings>(&settings, 1));
     glBindBufferBase(GL_UNIFORM_BUFFER, 1, buffer_.id());
@@ -57,22 +57,24 @@ class AirBlock {
   gl::Buffer buffer_;
 };
 
-/// Hair as the air feels it: what HairPasses gives to WindPasses.
+/// Hair as a momentum source of the air: the output of HairPasses that WindPasses reads. The buffers must
+/// outlive it.
 struct HairOnAir {
-  const gl::Buffer& nodes;      ///< momentum and mass per volume, 4 numbers each
-  const gl::Buffer* slip_sums;  ///< of shaders/hair_slip.comp, and
-  const gl::Buffer* fastest;    ///< what their unit follows from; null: air does not slip along hair
+  const gl::Buffer& nodes;      ///< 4 floats per node: momentum, kg/(m^2 s), and mass, kg/m^3, per volume
+  const gl::Buffer* slip_sums;  ///< sums of shaders/hair_slip.comp; null: air does not slip along hair
+  const gl::Buffer* fastest;    ///< Fastest of shaders/hair_samples.glsl, the unit of slip_sums
 };
 
-/// `count` numbers of T, 0 at first.
+/// A buffer of `count` values of T, filled with zero bits.
 template <class T>
 gl::Buffer zeros(size_t count) {
   gl::Buffer buffer(count * sizeof(T), nullptr, GL_DYNAMIC_STORAGE_BIT);
   glClearNamedBufferData(buffer.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
   return buffer;
 }
-/// What shaders wrote is there for the next ones.
+/// Makes the storage buffer writes of earlier dispatches visible to later ones.
 inline void finishPass() { glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); }
+/// Workgroups for `count` items.
 inline GLuint groupsOf(size_t count, size_t per_group) {
   return static_cast<GLuint>((count + per_group - 1) / per_group);
 }

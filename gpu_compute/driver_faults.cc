@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kFirstGoodZink = 25;  // Mesa's major version
 
-/// Of "4.6 (Core Profile) Mesa 22.3.6"; 0 where there is none.
+/// Mesa's major version, 22 of "4.6 (Core Profile) Mesa 22.3.6"; 0 if the text names none.
 int mesaMajor(std::string_view version) {
   constexpr std::string_view kMesa = "Mesa ";
   const size_t at = version.find(kMesa);

@@ -56,7 +56,7 @@ void GaussSeidelStrands::step(int groomed, bool accelerated, bool bends, Program
       mine.push_back(&programs.get(
           "gauss_seidel.comp", shaders::kGaussSeidelComp,
           fmt::format("#define THREADS {}\n#define WORKGROUP {}\n#define GROOMED {}\n#define ACCELERATED {}\n"
-                      "#define TURNING {}\n",
+                      "#define SHAPE_KINDS {}\n",
                       group.key, workgroup(group), groomed, accelerated ? 1 : 0, bends ? 2 : 1)));
   rest_edge_.bindStorage(3);
   order_.bindStorage(5);

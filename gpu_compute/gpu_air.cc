@@ -4,13 +4,13 @@
 
 #include "core/error.h"
 #include "gl/current.h"
-#include "gpu_compute/gpu_surroundings.h"
+#include "gpu_compute/gpu_air_system.h"
 #include "gpu_compute/wind_passes.h"
 
 namespace strandcast {
 namespace {
 
-/// A wind alone, in a context of its own.
+/// A wind grid by itself, in its own context.
 class GpuWind final : public Wind {
  public:
   GpuWind(int cells, float cell, Border border) {
@@ -26,7 +26,7 @@ class GpuWind final : public Wind {
       block_.reset();
       shapes_ = {};
       programs_ = {};
-    } catch (const Error&) {  // the driver is gone, and what it held with it
+    } catch (const Error&) {  // the driver has failed; its objects are gone
     }
   }
 
@@ -157,18 +157,18 @@ class GpuWind final : public Wind {
   gl::Buffer shapes_;
   std::vector<MovingPrimitive> bodies_;
   double solids_seconds_ = 1;
-  mutable std::optional<gpu::WindPasses::Image> image_;  ///< empty where it is out of date
+  mutable std::optional<gpu::WindPasses::Image> image_;  ///< empty: out of date
 };
 
 }  // namespace
 
 AirMaker gpuAir() {
-  return {[](std::vector<WindSource> sources) -> std::unique_ptr<Surroundings> {
+  return {[](std::vector<WindSource> sources) -> std::unique_ptr<ExternalForces> {
             for (const WindSource& source : sources) checkWindSource(source, "wind source");
-            return std::make_unique<gpu::GpuSurroundings>(std::move(sources));
+            return std::make_unique<gpu::GpuAirSystem>(std::move(sources));
           },
           [](int cells, float cell, Wind::Border border) -> std::unique_ptr<Wind> {
-            const gl::RestoreCurrent restore;  // a new context is current at first
+            const gl::RestoreCurrent restore;  // a new context becomes current
             return std::make_unique<GpuWind>(cells, cell, border);
           }};
 }

@@ -7,21 +7,22 @@
 
 namespace strandcast {
 
-/// Air and forces between hairs in compute shaders. Surroundings work in the memory of the gpu backend that
-/// they are configured with; a wind alone has a context of its own. The makers throw Error where there is no
-/// OpenGL 4.5.
+/// Makers of the air system in compute shaders: wind and forces between hairs. ExternalForces work in the
+/// memory of the gpu backend that they are configured with; a Wind by itself makes its own context. The
+/// makers throw Error without OpenGL 4.5.
 AirMaker gpuAir();
 
-/// How long the GPU works on each pass of surroundings that gpuAir() made.
+/// GPU times of the passes of an air system that gpuAir() made.
 class MeasuredPasses {
  public:
   virtual ~MeasuredPasses() = default;
-  /// `each`: every pass of the steps that follow, one after the other; else only "all" of a step. There is
-  /// room for so many steps, so that they allocate nothing.
+  /// Measures the steps that follow. `each`: every pass by itself; else only whole steps, as "all". Reserves
+  /// memory for `steps` steps; these do not allocate.
   virtual void measure(bool each, int steps) = 0;
-  /// Milliseconds by pass, of the steps since the last call. Waits for them.
+  /// Pass names and milliseconds of the steps since the last call, in order. Waits for the GPU.
   virtual std::vector<std::pair<std::string, double>> takeTimes() = 0;
-  /// How the newest step's pressure went; its residual over the fastest component of velocity. Waits.
+  /// Report of the newest step's pressure solve; its residual is relative to the largest velocity component.
+  /// Waits for the GPU.
   virtual PressureReport pressure() = 0;
 };
 

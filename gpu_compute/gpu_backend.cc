@@ -9,10 +9,10 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kFewVertices = 8192 * 32;  // see RodStrands; measured on an H100
+constexpr size_t kFewVertices = 8192 * 32;  // see makeGpuBackend(); measured on an H100
 
-/// Works in a context of its own, current only within a call, so that calls may come from any thread and the
-/// caller's context stays the caller's.
+/// Has its own context, current only within a call: any thread may call, one at a time, and the caller's
+/// current context stays unchanged.
 class GpuBackend final : public Backend, public gpu::GpuDevice {
  public:
   explicit GpuBackend(std::optional<size_t> few_vertices)
@@ -22,7 +22,7 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
       const gl::MakeCurrent current(context_);
       strands_.reset();
       programs_.reset();
-    } catch (const Error&) {  // the driver is gone, and what it held with it
+    } catch (const Error&) {  // the driver has failed; its objects are gone
       static_cast<void>(strands_.release());
       static_cast<void>(programs_.release());
     }
@@ -37,9 +37,9 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
     strands_ = std::make_unique<gpu::GpuStrands>(model, *programs_, few_vertices_, context_.software());
     strands_->upload(state);
   }
-  void expect(const Parameters& parameters, bool bodies) override {
+  void prepare(const Parameters& parameters, bool bodies) override {
     const gl::MakeCurrent current(context_);
-    strands_->expect(parameters, bodies);
+    strands_->prepare(parameters, bodies);
   }
   void upload(const StrandState& state) override {
     const gl::MakeCurrent current(context_);
@@ -59,9 +59,9 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
     return strands_->guides();
   }
   bool takesAccelerations() const override { return true; }
-  void expectAccelerations() override {
+  void prepareAccelerations() override {
     const gl::MakeCurrent current(context_);
-    strands_->expectAccelerations();
+    strands_->prepareAccelerations();
   }
   std::span<const Vec3> velocities() override {
     const gl::MakeCurrent current(context_);
@@ -96,7 +96,7 @@ const Probe& probe() {
           gpu::faultOfDriver(found.text, version != nullptr ? reinterpret_cast<const char*>(version) : "");
       if (!fault.empty()) found = {false, false, fault};
     } catch (const Error& error) {
-      if (gl::chosenDevice()) throw;  // what was asked for by its number is not replaced silently
+      if (gl::chosenDevice()) throw;  // no silent fallback from a device that the user named
       found.text = error.what();
     }
     return found;
@@ -107,12 +107,12 @@ const Probe& probe() {
 }  // namespace
 
 std::unique_ptr<Backend> makeGpuBackend(std::optional<size_t> few_vertices) {
-  const gl::RestoreCurrent restore;  // a new context is current at first
+  const gl::RestoreCurrent restore;  // a new context becomes current
   return std::make_unique<GpuBackend>(few_vertices);
 }
 
 BackendInfo gpuBackendInfo() {
-  // A software renderer does the same work as the simd backend, more slowly.
+  // Score: a software renderer runs on the CPU, slower than the simd backend.
   return {"gpu",
           probe().available,
           probe().text,

@@ -1,4 +1,4 @@
-// In place of gpu_backend.cc where the program is built without OpenGL.
+// Replaces gpu_backend.cc and gpu_air.cc in builds without OpenGL.
 #include "core/error.h"
 #include "gpu_compute/gpu_air.h"
 #include "gpu_compute/gpu_backend.h"

@@ -4,14 +4,14 @@
 
 namespace strandcast::gpu {
 
-/// The gpu backend, to what works in its memory between steps.
+/// Interface of the gpu backend to systems that work in its GPU memory between steps, such as the air system.
 class GpuDevice {
  public:
   virtual ~GpuDevice() = default;
-  /// Of which everything else is; to be made current first.
+  /// The context that owns all GPU objects of the backend; must be current for calls to them.
   virtual gl::HeadlessContext& context() = 0;
   virtual ProgramCache& programs() = 0;
-  /// After Backend::load().
+  /// Precondition: Backend::load() was called.
   virtual GpuStrands& strands() = 0;
 };
 

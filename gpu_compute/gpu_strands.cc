@@ -15,7 +15,7 @@
 namespace strandcast::gpu {
 namespace {
 
-// What steps with bodies may bring before the ring is made anew, larger.
+// Initial capacity of the upload ring for steps with bodies; it grows when exceeded.
 constexpr UploadRing::Counts kFirstCounts = {512, 4096};
 
 using Vec4 = std::array<float, 4>;
@@ -37,7 +37,7 @@ std::vector<Vec4> packRestLocal(const StrandModel& model) {
   return packed;
 }
 
-/// Of shaders/strand_offsets.glsl.
+/// In the layout of shaders/strand_offsets.glsl.
 std::vector<uint32_t> packOffsets(const StrandModel& model) {
   std::vector<uint32_t> packed = model.offsets;
   const StrandOrder order = strandOrder(model);
@@ -46,6 +46,7 @@ std::vector<uint32_t> packOffsets(const StrandModel& model) {
   return packed;
 }
 
+/// Entry of shaders/grooming.glsl with all factors 1 and no tether.
 const Vec4 kNotGroomed = {1, 1, kNoTether, 0};
 
 std::vector<Vec4> packGrooming(const StrandModel& model) {
@@ -62,8 +63,8 @@ std::vector<Vec4> packGrooming(const StrandModel& model) {
   return packed;
 }
 
-// Calls body(edge, vertex at its end) for every edge. The unused last entry of a strand's edges goes with its
-// root, so that what is uploaded comes back whole.
+// Calls body(edge, its outer vertex) for every edge. The unused last edge entry of a strand is paired with
+// its root, so that an upload and a download round-trip all entries.
 template <class Body>
 void forEdges(std::span<const uint32_t> offsets, const Body& body) {
   for (size_t s = 0; s + 1 < offsets.size(); ++s) {
@@ -72,6 +73,7 @@ void forEdges(std::span<const uint32_t> offsets, const Body& body) {
   }
 }
 
+// Throws Error if a buffer of `rows` Vec4 per vertex exceeds the driver's limit.
 void checkFits(size_t vertices, size_t rows = 1) {
   GLint64 limit = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
@@ -84,6 +86,7 @@ void checkFits(size_t vertices, size_t rows = 1) {
 bool isField(const MovingPrimitive& body) {
   return body.kind == static_cast<uint32_t>(PrimitiveKind::kField);
 }
+// Whether the kind has a rotation: SHAPE_KINDS 1.
 bool turns(const MovingPrimitive& body) {
   return body.kind >= static_cast<uint32_t>(PrimitiveKind::kEllipsoid);
 }
@@ -114,14 +117,14 @@ void GpuStrands::checkMemory(const char* what) const {
     throw Error(what, fmt::format("{} vertices", vertices_), "use fewer strands or --backend simd");
 }
 
-void GpuStrands::expect(const Parameters& parameters, bool bodies) {
+void GpuStrands::prepare(const Parameters& parameters, bool bodies) {
   if (vertices_ == 0) return;
   const bool rod = parameters.solver == SolverKind::kRod, goal = parameters.goal_rate > 0;
   bool& expected = expected_[(rod ? 1 : 0) + (goal ? 2 : 0) + (bodies ? 4 : 0)];
   if (expected) return;
   gl::discardErrors();
   if (rod && !rod_) rod_.emplace(model_, few_vertices_, compiles_slowly_);
-  if (rod) rod_->expect(goal, bodies);
+  if (rod) rod_->prepare(goal, bodies);
   if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_, compiles_slowly_);
   if (rest_local_.bytes() == 0 && (!rod || goal || rod_->holdsVertices()))
     rest_local_ = gl::Buffer(std::span<const Vec4>(packRestLocal(model_)));
@@ -201,7 +204,7 @@ void GpuStrands::bind() const {
   offsets_.bindStorage(4);
   guides_.bindStorage(8);
   frames_.bindStorage(9);
-  if (contacts_.bytes() > 0) contacts_.bindStorage(3);  // of the rod; gauss_seidel has its own there
+  if (contacts_.bytes() > 0) contacts_.bindStorage(3);  // for the rod; gauss_seidel binds rest_edge_ there
   if (grooming_.bytes() > 0) grooming_.bindStorage(13);
   shapes_.bindStorage(14);
 }
@@ -230,7 +233,7 @@ void GpuStrands::takeBends(const ShapeData& shapes) const {
 }
 
 void GpuStrands::makeSights() {
-  constexpr size_t kSightRows = 5;  // see shaders/contact_sights.glsl
+  constexpr size_t kSightRows = 5;  // see shaders/contact_cache.glsl
   const size_t bytes = vertices_ * (1 + kSightRows) * sizeof(Vec4);
   if (contacts_.bytes() == bytes) return;
   checkFits(vertices_, 1 + kSightRows);
@@ -253,9 +256,9 @@ void GpuStrands::expectUploads(const UploadRing::Counts& wanted) {
 }
 
 void GpuStrands::step(const StepInput& input) {
-  uploaded_ = std::vector<Vec3>();  // {} would keep its memory
+  uploaded_ = std::vector<Vec3>();  // assigning {} would keep its memory
   if (vertices_ == 0) return;
-  expect(*input.parameters, !input.primitives.empty());
+  prepare(*input.parameters, !input.primitives.empty());
   const UploadRing::Counts wanted = UploadRing::countsOf(input);
   if (!uploads_->takes(wanted)) expectUploads({2 * wanted.bodies, 2 * wanted.near});
   takeShapes(input.shapes);
@@ -268,14 +271,14 @@ void GpuStrands::step(const StepInput& input) {
   const bool pressing = rod && !input.primitives.empty();
   const bool bends = input.shapes != nullptr && !input.shapes->bends.empty();
   const bool some_turn = std::any_of(input.primitives.begin(), input.primitives.end(), turns);
-  const int turning = bends ? 2 : some_turn ? 1 : 0;
+  const int shape_kinds = bends ? 2 : some_turn ? 1 : 0;
   bind();
   if (pressed_ && !pressing) glClearNamedBufferData(contacts_.id(), GL_RGBA32F, GL_RGBA, GL_FLOAT, nullptr);
   pressed_ = pressing;
   timer_.begin();
   if (rod)
     rod_->step({.bodies = !input.primitives.empty(),
-                .turning = turning,
+                .shape_kinds = shape_kinds,
                 .fields = std::any_of(input.primitives.begin(), input.primitives.end(), isField),
                 .goal = goal,
                 .accelerated = accelerated,
@@ -286,7 +289,7 @@ void GpuStrands::step(const StepInput& input) {
                p.substeps, programs_);
   else
     gauss_seidel_->step(groomed_ || goal ? (model_.friction_along.empty() ? 1 : 2) : 0, accelerated,
-                        turning > 1, programs_);
+                        shape_kinds > 1, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   readback_.copyFrom(guides_);
@@ -310,7 +313,7 @@ std::vector<Vec3> GpuStrands::downloadAccelerations() const {
   return out;
 }
 
-void GpuStrands::expectAccelerations() {
+void GpuStrands::prepareAccelerations() {
   velocities_packed_.resize(vertices_);
   velocities_read_.resize(vertices_);
 }

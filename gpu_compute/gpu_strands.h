@@ -11,80 +11,85 @@
 
 namespace strandcast::gpu {
 
-/// One model on the GPU: its state, and the commands of a step. Every call needs the context that made it
-/// current.
+/// One model on the GPU: its state and the dispatches of a step. Precondition of every call: the context in
+/// which it was constructed is current. Not thread-safe.
 class GpuStrands {
  public:
-  /// Throws Error when the model does not fit the device. `model` and `programs` outlive this.
+  /// Throws Error if the model does not fit the device. `model` and `programs` must outlive this.
   /// `few_vertices` and `compiles_slowly`: see RodStrands.
   GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices, bool compiles_slowly);
 
-  /// Makes what steps with such settings, and with bodies or without, need beyond the state. Throws Error
-  /// when it does not fit the device.
-  void expect(const Parameters& parameters, bool bodies);
+  /// Allocates what steps with these settings, and with bodies or without, need beyond the state. Idempotent.
+  /// Throws Error if it does not fit the device.
+  void prepare(const Parameters& parameters, bool bodies);
   void upload(const StrandState& state);
-  void download(StrandState& state);
-  /// The first step with a solver, and its first with bodies or a goal pull, compile and expect() what was
-  /// not; that may throw Error. No other one does, nor allocates, unless there are more bodies than ever
-  /// before or other shapes.
+  void download(StrandState& state);  ///< waits for pending steps
+  /// The first step with a solver, and its first with bodies or a goal, compile shaders and call prepare() if
+  /// necessary; they may throw Error. Later steps neither throw nor allocate, unless there are more bodies
+  /// than ever before or new shapes.
   void step(const StepInput& input);
-  /// Room for velocities(), before the first step that has some.
-  void expectAccelerations();
-  /// Velocities now, natural order, valid until the next call. Waits for pending steps.
+  /// Allocates the memory of velocities(). Call it before the first step with external accelerations.
+  void prepareAccelerations();
+  /// Velocities of vertices, natural order, m/s; valid until the next call. Waits for pending steps.
   std::span<const Vec3> velocities();
+  /// Positions of vertices after the newest step, natural order, m; valid until the next step(). Waits for
+  /// it.
   std::span<const Vec3> guides();
-  /// guides() need not wait, nor the context.
+  /// True if guides() need not wait and needs no current context.
   bool guidesReady() const { return !uploaded_.empty() || readback_.ready(); }
-  // For what works on the same GPU before a step.
-  const gl::Buffer& positions() const { return positions_; }        ///< of vertices, 4 numbers each, m
-  const gl::Buffer& velocityBuffer() const { return velocities_; }  ///< the same, m/s
-  /// The shapes of bodies, made to hold what the next step will be told.
+  // For systems that work on the same GPU before a step.
+  const gl::Buffer& positions() const { return positions_; }        ///< 4 floats per vertex, xyz in m
+  const gl::Buffer& velocityBuffer() const { return velocities_; }  ///< 4 floats per vertex, xyz in m/s
+  /// ShapeData::words on the GPU, updated to `shapes` of the next step.
   const gl::Buffer& shapes(const ShapeData* shapes);
-  /// Where accelerations of vertices go, 3 numbers each, m/s^2: the next step heeds them.
+  /// Buffer for external accelerations, 3 floats per vertex, m/s^2. The next step applies them.
   const gl::Buffer& accelerations();
   std::vector<Vec3> downloadAccelerations() const;
 
-  /// Of the dispatches of a recent step alone; see StepTimer.
+  /// GPU time of the dispatches of a recent step, s; see StepTimer::newest().
   std::optional<double> gpuSeconds() const { return timer_.newest(); }
 
  private:
   void bind() const;
-  /// Those of the shapes that are on the GPU already.
+  /// Uploads the bends of shapes that are on the GPU already.
   void takeBends(const ShapeData& shapes) const;
   void takeShapes(const ShapeData* shapes);
+  /// Allocates the contact cache; keeps contact forces.
   void makeSights();
+  /// Replaces the upload ring if it is smaller than `wanted`; waits for the GPU then.
   void expectUploads(const UploadRing::Counts& wanted);
-  void checkMemory(const char* what) const;  ///< after what was made since discardErrors()
+  /// Throws Error if an allocation since discardErrors() ran out of memory.
+  void checkMemory(const char* what) const;
 
   ProgramCache& programs_;
   const StrandModel& model_;
   const size_t few_vertices_;
   const bool compiles_slowly_;
   size_t vertices_;
-  gl::Buffer positions_;   ///< xyz; w: tension of the edge that ends at the vertex
-  gl::Buffer velocities_;  ///< xyz; w: StrandModel::rest_distance
-  gl::Buffer frames_;      ///< of the edge that starts at the vertex
-  gl::Buffer offsets_;
-  gl::Buffer guides_;  ///< see shaders/step_input.glsl
-  gl::Buffer shapes_;  ///< ShapeData::words of the newest step
+  gl::Buffer positions_;   ///< xyz, m; w: tension of the edge that ends at the vertex, m/s^2
+  gl::Buffer velocities_;  ///< xyz, m/s; w: StrandModel::rest_distance, m
+  gl::Buffer frames_;      ///< material frame of the edge that starts at the vertex, x y z w
+  gl::Buffer offsets_;     ///< see shaders/strand_offsets.glsl
+  gl::Buffer guides_;      ///< see shaders/step_input.glsl
+  gl::Buffer shapes_;      ///< ShapeData::words of the newest step
   uint64_t shapes_revision_ = 0;
-  bool groomed_;              ///< strands have tethers or factors
+  bool groomed_;              ///< strands have tethers or grooming factors
   bool accelerated_ = false;  ///< guides_ has the next step's accelerations
-  // What not every step needs, empty until one is expected that does.
-  gl::Buffer contacts_;    ///< StrandState::contacts; with bodies see shaders/contact_sights.glsl
-  bool pressed_ = false;   ///< some of them may not be 0
+  // Empty until prepare() for a step that needs them.
+  gl::Buffer contacts_;    ///< StrandState::contacts; with bodies see shaders/contact_cache.glsl
+  bool pressed_ = false;   ///< some contact forces may differ from 0
   gl::Buffer rest_local_;  ///< see bonePoint() in shaders/step_input.glsl
   gl::Buffer grooming_;    ///< see shaders/grooming.glsl
   std::optional<GaussSeidelStrands> gauss_seidel_;
   std::optional<RodStrands> rod_;
-  std::array<bool, 8> expected_{};  ///< by solver, goal pull and bodies
+  std::array<bool, 8> expected_{};  ///< prepared, by solver, goal and bodies
   SeenBodies seen_;
   std::optional<UploadRing> uploads_;  ///< never empty
   Readback readback_;
   StepTimer timer_;
   std::vector<std::array<float, 4>> velocities_packed_;
   std::vector<Vec3> velocities_read_;
-  std::vector<Vec3> uploaded_;  ///< what guides() returns until the first step, empty from then on
+  std::vector<Vec3> uploaded_;  ///< result of guides() until the first step; empty afterwards
 };
 
 }  // namespace strandcast::gpu

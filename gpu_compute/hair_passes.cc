@@ -15,8 +15,8 @@ namespace {
 
 using Vec4 = std::array<float, 4>;
 
-constexpr GLuint kWide = 32768;  // workgroups of a row of a dispatch
-constexpr int kTile = 8;         // nodes per axis of a block
+constexpr GLuint kWide = 32768;  // workgroups along x of a dispatch, at most
+constexpr int kTile = 8;         // nodes per axis of a workgroup, TILE of shaders/hair_tile.glsl
 
 }  // namespace
 
@@ -106,7 +106,7 @@ void HairPasses::takeVolumeTarget(float volume_target) {
   bound_target_ = volume_target;
   crowding_bound_ = 0;
   for (const auto& [mass, rest] : resting) {
-    if (!(mass > 0)) continue;  // there is no sample
+    if (!(mass > 0)) continue;  // padding of a tile
     const double m = static_cast<double>(mass),
                  r = static_cast<double>(rest) / static_cast<double>(volume_target);
     crowding_bound_ += m * kernels::f64::largestCrowding(r, alone * m) * (1 + kMostHeld);
@@ -192,7 +192,7 @@ void HairPasses::splat(const Strands& strands, bool drags) {
     drag_edge_masses_.bindStorage(4);
     drag_sums_.bindStorage(7);
     dispatchTiles();
-    finishPass();  // both write where samples are
+    finishPass();  // both dispatches write places_ and motions_
     edge_masses_.bindStorage(4);
     sums_.bindStorage(7);
   }

@@ -11,54 +11,58 @@
 
 namespace strandcast::gpu {
 
-/// The forces between hairs of air/hair_grid.h as compute shaders, and what all of air/ gives to vertices.
-/// What a pass is told goes through `block`, which is sent before it. Every call needs the context that made
-/// it current.
+/// Passes of the hair grid (air/hair_grid.h) as compute shaders, and the external accelerations that the air
+/// system gives to vertices. Passes read their settings from an AirBlock: call describe() and
+/// AirBlock::send() before them. Precondition of every call: the context in which it was constructed is
+/// current.
 class HairPasses {
  public:
-  /// Measures the rest density from the groom at rest. Throws Error where there are more samples than a
-  /// dispatch takes.
+  /// Measures the rest density of the groom. `box`: of the groom at rest, m; `cells`: per axis. Throws Error
+  /// if there are more samples than a dispatch supports.
   HairPasses(const StrandModel& model, const Box& box, int cells, AirBlock& block, ProgramCache& programs);
 
   const HairLayout& layout() const { return layout_; }
-  /// Writes what the passes need to know into the settings.
+  /// Writes the settings of the passes. `head`: pose of the hair grid; `seconds`: time step.
   void describe(AirSettings& settings, const Pose& head, const Parameters& parameters, double seconds);
-  /// Nothing is held any more, and what is known of velocities is nothing: hair was put elsewhere.
+  /// Clears the held crowding and the last largest velocity. For hair that was teleported.
   void reset();
-  /// Drags of their own, 1/s per vertex; empty: all have that of the settings.
+  /// Drag rate per vertex, 1/s; empty: all vertices have AirSettings::drag.
   void takeRates(std::span<const float> rates);
-  /// Parameters::volume_target, which bounds what crowd() can sum. To be called before the first crowd().
+  /// Parameters::volume_target, from which the fixed-point scale of crowd() follows. Call it before crowd().
   void takeVolumeTarget(float volume_target);
 
-  /// Where hair is and how fast, 4 numbers per vertex.
+  /// Positions, m, and velocities, m/s, of hair: 4 floats per vertex.
   struct Strands {
     const gl::Buffer &positions, &velocities;
   };
-  // Passes. Only gather() ends with finishPass(). `drags`: for dragNodes(), too.
+  // Passes. Only gather() ends with finishPass(). `drags`: also the nodes weighted by drag, for onAir().
   void splat(const Strands& strands, bool drags);
   void findDensity(bool drags);
   void crowd(const Strands& strands);
+  /// `crowds`: with pressure; `rubs`: with friction.
   void findForces(bool crowds, bool rubs);
+  /// Source of the air's velocity: uniform wind, ambient wind and sources, wind grid.
   enum class Air { kUniform, kFree, kGrid };
   struct Needs {
-    bool forces;
+    bool forces;  ///< there are forces between hairs
     Air air;
     bool along;  ///< drag along strands is less than across
   };
-  /// An acceleration per vertex, 3 numbers each. `centres`: of the wind, where there is a grid; else any
-  /// buffer, as `turbulence` and `sources` where the air is not free.
+  /// Writes external accelerations, 3 floats per vertex, m/s^2. `centres`: cell-centre velocities of the
+  /// wind, used with Air::kGrid; `turbulence` and `sources` are used with Air::kFree. Unused ones may be any
+  /// buffer.
   void gather(const Strands& strands, const Needs& needs, const gl::Buffer& centres,
               const gl::Buffer& turbulence, const gl::Buffer& sources, const gl::Buffer& accelerations);
 
-  /// Room for splatSlip().
+  /// Allocates the memory of splatSlip().
   void expectSlip();
-  /// Which way hair lies, as the air feels it: after splat().
+  /// Splats the directions of hair, for air that slips along hair. After splat().
   void splatSlip(const Strands& strands);
-  /// With masses x their DragShares. `slips`: after splatSlip().
+  /// Hair as the air feels it, with masses weighted by DragShares. `slips`: with the result of splatSlip().
   HairOnAir onAir(bool slips) const {
     return {unevenlyDragged() ? drag_nodes_ : nodes_, slips ? &slip_sums_ : nullptr, &fastest_};
   }
-  double meanDrag() const { return drag_shares_.mean; }  ///< factor of air_drag, of all hair
+  double meanDrag() const { return drag_shares_.mean; }  ///< mean grooming factor of air_drag, by mass
   std::vector<std::array<float, 4>> downloadNodes() const;
 
  private:
@@ -71,21 +75,20 @@ class HairPasses {
 
   ProgramCache& programs_;
   LazyProgram splat_, slip_of_, fastest_of_, density_of_, crowd_, rest_of_;
-  std::array<LazyProgram, 4> forces_of_;   ///< by crowding and friction
-  std::array<LazyProgram, 24> gather_of_;  ///< by what there is to gather
+  std::array<LazyProgram, 4> forces_of_;   ///< by CROWDS and RUBS
+  std::array<LazyProgram, 24> gather_of_;  ///< by AIR, FORCES, RATES and ALONG
   HairLayout layout_;
   DragShares drag_shares_;
   size_t tiles_ = 0, nodes_count_;
-  double mass_ = 0;
-  double crowding_bound_ = 0;
-  float bound_target_ = 0;  ///< what it is for
-  bool measured_ = false;   ///< the fastest velocity before the next splat is known
-  bool rated_ = false;
-  bool clean_ = true;  ///< sums are 0
+  double mass_ = 0;            ///< kg, of all hair
+  double crowding_bound_ = 0;  ///< greatest sum of mass x crowding, per stiffness
+  float bound_target_ = 0;     ///< volume_target of crowding_bound_
+  bool measured_ = false;      ///< the largest velocity before the next splat is known
+  bool rated_ = false;         ///< vertices have their own drag rates
+  bool clean_ = true;          ///< sums_ is 0
   gl::Buffer sample_tiles_, roots_, order_, edge_masses_, places_, motions_, fastest_, sums_, crowd_sums_,
       slip_sums_, nodes_, densities_, resting_, held_, changes_, rates_;
-  // Where pieces have shares of the drag of their own: the same as the air feels it. Its densities are of no
-  // use.
+  // The same with masses weighted by DragShares; empty if all shares are 1. drag_densities_ is never read.
   gl::Buffer drag_edge_masses_, drag_sums_, drag_nodes_, drag_densities_;
 };
 

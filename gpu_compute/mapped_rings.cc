@@ -10,7 +10,7 @@ namespace {
 constexpr GLbitfield kWritten = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
 constexpr GLbitfield kRead = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
 
-// The largest offset alignment that OpenGL 4.5 allows a device to ask for.
+// 256 bytes: the largest offset alignment that OpenGL 4.5 lets a device require.
 size_t aligned(size_t bytes) { return (bytes + 255) / 256 * 256; }
 
 void* map(const gl::Buffer& buffer, GLbitfield access) {
@@ -34,7 +34,7 @@ void Fence::set() {
 
 void Fence::wait() {
   if (sync_ == nullptr) return;
-  constexpr GLuint64 kTenth = 100'000'000;  // ns
+  constexpr GLuint64 kTenth = 100'000'000;  // ns, of a second
   while (glClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, kTenth) == GL_TIMEOUT_EXPIRED) {
   }
   glDeleteSync(sync_);
@@ -79,7 +79,7 @@ void UploadRing::write(const StepInput& input) {
   const GLuint id = on_gpu_.id();
   glCopyNamedBufferSubData(buffers_[slot_].id(), id, 0, 0, static_cast<GLsizeiptr>(poses_at_ + bones_bytes_));
   fences_[slot_].set();
-  constexpr GLsizeiptr kBlock = (sizeof(Settings) + 15) / 16 * 16;  // as std140 rounds it up
+  constexpr GLsizeiptr kBlock = (sizeof(Settings) + 15) / 16 * 16;  // std140 rounds the size up to 16
   glBindBufferRange(GL_UNIFORM_BUFFER, 0, id, 0, kBlock);
   glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 6, id, static_cast<GLintptr>(poses_at_),
                     static_cast<GLsizeiptr>(on_gpu_.bytes() - poses_at_));

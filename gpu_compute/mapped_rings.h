@@ -8,7 +8,7 @@
 
 namespace strandcast::gpu {
 
-/// A point in the command stream that can be waited for.
+/// A fence in the command stream. Needs a current context for its whole life.
 class Fence {
  public:
   Fence() = default;
@@ -22,33 +22,34 @@ class Fence {
   GLsync sync_ = nullptr;
 };
 
-/// What a step is told (settings, bodies, lists of near bodies, bones): the CPU writes the next while the GPU
-/// still copies the last to its own memory, from which the shaders read it. There the roots at rest lie too.
+/// Uploads the input of steps: settings, bodies, near-body lists, poses of bones. The CPU writes one slot of
+/// mapped memory while the GPU still copies earlier slots to its own memory. Shaders read the GPU's copy,
+/// which also holds the rest poses of the roots.
 class UploadRing {
  public:
-  /// What differs from step to step.
+  /// Sizes that differ from step to step.
   struct Counts {
-    size_t bodies, near;  ///< bodies: in all substeps; near: words of the lists, and of their leaders'
+    size_t bodies, near;  ///< bodies x substeps; words of the near-body lists and of their leaders' lists
   };
   static Counts countsOf(const StepInput& input);
 
-  /// `model` outlives this.
+  /// `model` must outlive this. Throws Error if the GPU cannot map memory.
   UploadRing(const StrandModel& model, const Counts& capacity);
 
   const Counts& capacity() const { return capacity_; }
   bool takes(const Counts& counts) const {
     return counts.bodies <= capacity_.bodies && counts.near <= capacity_.near;
   }
-  /// Takes the next slot, waiting while the GPU may still read it, copies `input` and binds the shader's
-  /// blocks to the GPU's copy of it.
+  /// Copies `input` through the next slot, and binds the blocks of shaders/step_input.glsl to the GPU's copy.
+  /// Waits while the GPU may still read the slot. Precondition: takes(countsOf(input)).
   void write(const StepInput& input);
 
  private:
   static constexpr size_t kSlots = 3;
   const StrandModel& model_;
   Counts capacity_;
-  size_t bodies_at_, near_at_, poses_at_;  ///< bytes from the start of a slot, which bones end
-  size_t bones_bytes_;                     ///< at both ends of the step
+  size_t bodies_at_, near_at_, poses_at_;  ///< byte offsets in a slot; poses of bones are last
+  size_t bones_bytes_;                     ///< of poses at the start and the end of the step
   gl::Buffer on_gpu_;
   std::array<gl::Buffer, kSlots> buffers_;
   std::array<char*, kSlots> memory_{};
@@ -57,16 +58,17 @@ class UploadRing {
   Leaders leaders_;
 };
 
-/// Positions on their way back.
+/// Asynchronous download of positions to mapped memory.
 class Readback {
  public:
+  /// Throws Error if the GPU cannot map memory.
   explicit Readback(size_t vertices);
 
-  /// Gives the commands that copy `guides` (3 floats per vertex) here, over what newest() gave before.
+  /// Records the copy of `guides` (3 floats per vertex, m). Overwrites the result of newest().
   void copyFrom(const gl::Buffer& guides);
-  /// Waits for the newest copy.
+  /// The positions of the newest copy, m; valid until the next copyFrom(). Waits for the copy.
   std::span<const Vec3> newest();
-  /// What newest() would return is there already.
+  /// True if newest() has waited for the newest copy already.
   bool ready() const { return ready_; }
 
  private:

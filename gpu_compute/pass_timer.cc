@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kBegin = "";
 constexpr const char* kWhole = "all";
-constexpr size_t kMostPasses = 16;  // of a frame, its beginning among them
+constexpr size_t kMostPasses = 16;  // marks per frame, its begin included
 constexpr size_t kQueriesAtOnce = 16;
 
 }  // namespace

@@ -8,8 +8,9 @@
 
 namespace strandcast::gpu {
 
-/// How long the GPU works on each pass of a frame: by timestamps, or, on renderers that do not measure, by
-/// the clock of the CPU, waiting for every pass. Off, it costs nothing.
+/// GPU time of each pass of a frame, by timestamp queries. On software renderers, which do not measure, by
+/// the CPU's clock, waiting for every pass. Costs nothing while off. Needs a current context for its whole
+/// life.
 class PassTimer {
  public:
   PassTimer() = default;
@@ -17,13 +18,14 @@ class PassTimer {
   PassTimer(const PassTimer&) = delete;
   PassTimer& operator=(const PassTimer&) = delete;
 
-  /// `each`: every pass for itself, one after the other; else only the whole frame. Allocates room for so
-  /// many frames; beyond them frames do.
+  /// Starts measuring. `each`: every pass by itself; else only whole frames. Reserves memory for `frames`
+  /// frames; further ones may allocate.
   void measure(bool each, size_t frames);
   void stop() { on_ = false; }
-  void begin();                   ///< of a frame
-  void passed(const char* name);  ///< all commands since the last call are of this pass
-  /// Milliseconds by name, of the frames since the last call of this. Waits for them.
+  void begin();  ///< starts a frame
+  /// Ends pass `name`: all commands since the last call. "all" ends the frame. `name` must outlive take().
+  void passed(const char* name);
+  /// Names and milliseconds of the passes since the last take(), in order. Waits for the GPU.
   std::vector<std::pair<std::string, double>> take();
 
  private:

@@ -16,7 +16,7 @@ namespace kernels::f32 {
 namespace gpu {
 namespace {
 
-constexpr float kEverywhere = 1e18f;  // m; its square is a float too
+constexpr float kEverywhere = 1e18f;  // m; its square is still finite in float
 
 template <class To, class From, size_t n>
 void put(To (&to)[n], const From (&from)[n]) {
@@ -27,8 +27,8 @@ Eigen::Quaternionf turnOf(const MovingPrimitive& body) {
   return Eigen::Quaternionf(body.rotation_end) * Eigen::Quaternionf(body.rotation_begin).conjugate();
 }
 
-// Whether in the step both move points that are within some metres of them by kAlike of
-// shaders/step_input.glsl of each other.
+// Whether the motion of both bodies in the step, of points within some metres of them, differs by at most
+// kAlike of shaders/step_input.glsl.
 bool movesAlike(const MovingPrimitive& p, const MovingPrimitive& q) {
   if (isBent(p) || isBent(q)) return false;
   constexpr float kAlikePlace = 2e-5f, kAlikeTurn = 2e-5f;  // m, radians

@@ -7,52 +7,55 @@
 
 namespace strandcast::gpu {
 
-/// A body at the end of a substep, of shaders/bodies.glsl, std430: what core/body_surface.inl works out for
-/// the CPU.
+/// A body at the end of a substep, as PlacedBody of shaders/step_input.glsl, std430. Its members are those of
+/// SubstepBody of core/body_surface.inl.
 struct alignas(16) PlacedBody {
-  float middle[3];
-  float ball;  ///< m, of a ball about the middle that holds the body and what it presses; beyond everything
-               ///< for planes
-  float a[3];
-  float radius;
-  float b[3];
-  float radius_b;
-  float a_motion[3];  ///< m, over the substep
-  float friction;
-  float turn[3];  ///< radians, over the substep, about a
-  uint32_t kind;
-  float rotation[4];  ///< x y z w
-  float extent[3];
-  uint32_t data;
-  uint32_t extra;
-  uint32_t leader;   ///< of placeBodies(): see Leaders
-  float time;        ///< the part of the step that has passed, 0 to 1
-  float bend_shift;  ///< of placeBodies(): m, at most what its bend moves it by in the substep
+  float middle[3];    ///< m, centre of the bounding ball
+  float ball;         ///< m, radius of the bounding ball, with the hair's radius; 1e18 for planes
+  float a[3];         ///< m
+  float radius;       ///< m
+  float b[3];         ///< m; of a plane, its unit normal
+  float radius_b;     ///< m
+  float a_motion[3];  ///< m, displacement of a in the substep
+  float friction;     ///< coefficient
+  float turn[3];      ///< radians, rotation vector of the substep, about a
+  uint32_t kind;      ///< PrimitiveKind
+  float rotation[4];  ///< x y z w; of ellipsoids, boxes, convex bodies and fields only
+  float extent[3];    ///< m, half axes or half edges
+  uint32_t data;      ///< as MovingPrimitive::data
+  uint32_t extra;     ///< as MovingPrimitive::extra
+  uint32_t leader;    ///< set by placeBodies(): see Leaders
+  float time;         ///< fraction of the step that has passed, 0 to 1
+  float bend_shift;   ///< set by placeBodies(): m, bound on the motion by bending in the substep
 };
 static_assert(sizeof(PlacedBody) == 128);
 
-/// `time`: the part of the step that has passed, 0 to 1. Motion and turn are those of `part` of the step,
-/// which takes `seconds`.
+/// The body at `time`, the fraction of the step that has passed, 0 to 1. a_motion and turn are those of the
+/// fraction `part` of the step, which lasts `seconds` s. `hair_radius` in m. `leader` and `bend_shift` are 0.
 PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part, double seconds,
                       float hair_radius);
 
-/// Bodies that move points within some metres alike in a step: each has the first of them as its leader.
+/// Groups bodies whose motion in the step agrees for all points within some metres (to kAlike of
+/// shaders/step_input.glsl). The first body of a group is the leader of all: bounds on relative travel are
+/// computed for leaders only.
 class Leaders {
  public:
-  /// Finding those of up to so many bodies will not allocate.
+  /// Reserves memory: find() of up to `bodies` bodies does not allocate.
   void reserve(size_t bodies);
+  /// Finds the leaders of `bodies`.
   void find(std::span<const MovingPrimitive> bodies);
   uint32_t of(size_t body) const { return leaders_[body]; }
-  /// Writes `near` (offsets, then bodies), and then the same of the leaders of these bodies, each once in a
-  /// list. So many words at most: twice those of `near`. After find().
+  /// Writes `near` (offsets, then bodies), then lists of the same form with the leaders of these bodies, each
+  /// leader once per list. Writes at most twice as many words as `near` has. After find().
   void writeLists(const NearBodyLists& near, uint32_t* out);
 
  private:
   std::vector<uint32_t> leaders_;
-  std::vector<size_t> listed_;  // of leaders, the number of the last list that they are in, from 1 on
+  std::vector<size_t> listed_;  // per leader, the last list that has it, counted from 1
 };
 
-/// Writes every body of the step at the end of its first substep, then of the next, and so on.
+/// Writes all bodies of the step as at the end of its first substep, then of the second, and so on: bodies x
+/// substeps entries.
 void placeBodies(const StepInput& input, const Leaders& leaders, PlacedBody* out);
 
 }  // namespace strandcast::gpu

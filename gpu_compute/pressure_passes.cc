@@ -12,10 +12,10 @@
 namespace strandcast::gpu {
 namespace {
 
-constexpr int kLines = 32;        // of a workgroup of shaders/pressure_step.comp
-constexpr int kBundleZ = 4;       // lines of a workgroup of shaders/pressure_correct.comp, along z
-constexpr int kBundleOf96 = 8;    // and along y, of up to 96 cells
-constexpr int kBundleBeyond = 4;  // and of more
+constexpr int kLines = 32;        // lines per workgroup of shaders/pressure_step.comp: LINES
+constexpr int kBundleZ = 4;       // lines per workgroup of shaders/pressure_correct.comp along z: OWN_Z
+constexpr int kBundleOf96 = 8;    // along y, up to 96 cells per axis: OWN_Y
+constexpr int kBundleBeyond = 4;  // along y, beyond
 
 size_t cubed(int n) { return static_cast<size_t>(n) * static_cast<size_t>(n) * static_cast<size_t>(n); }
 int bundleY(int cells) { return cells <= 96 ? kBundleOf96 : kBundleBeyond; }
@@ -25,15 +25,16 @@ void setInt(const gl::Program& program, GLint location, int value) {
   glProgramUniform1i(program.id(), location, value);
 }
 
-/// The modes of a row of cells, as shaders/pressure_solve.glsl numbers and folds them.
+/// Transform matrices and eigenvalues of the modes of a row of cells, as shaders/pressure_solve.glsl numbers
+/// and folds them.
 struct Modes {
   std::vector<float> matrices, eigenvalues;
 
   Modes(int cells, Wind::Border border) {
     const bool open = border == Wind::Border::kOpen;
     const int half = cells / 2;
-    // Of mode `number`, at the middle of cell `place`; the modes are orthonormal. Beyond an open border the
-    // value is 0, beyond a wall the one before it.
+    // mode(): value of mode `number` at the centre of cell `place`; modes are orthonormal. One cell beyond an
+    // open border the value is 0; beyond a wall it is that of the last cell.
     auto angle = [&](int number) { return std::numbers::pi * (number + (open ? 1 : 0)) / (cells + open); };
     auto mode = [&](int number, int place) {
       if (open) return std::sqrt(2.0 / (cells + 1)) * std::sin(angle(number) * (place + 1));
@@ -120,7 +121,7 @@ PressurePasses::State PressurePasses::download() const {
   return state;
 }
 
-// What the last step along a direction left is known before another iteration has looked at it.
+// The residual after the last step is in residual_now until the next iteration moves it to residual.
 PressureReport PressurePasses::reportOf(const State& state) {
   const float left = state.residual_now != 0 ? std::bit_cast<float>(state.residual_now) : state.residual;
   return {state.iterations, static_cast<double>(left)};

@@ -16,28 +16,28 @@ namespace {
 
 using Vec4 = std::array<float, 4>;
 
-// Edges of an invocation. With four of them contact, or all factors along curls, take more registers than
-// there are: on an H100 3.9 ms in place of 2.3 for 100,000 strands on a sphere, 1.70 of 1.29 with factors.
+// Edges per invocation. With four, contact, or factors that differ along curls, exceed the registers: on an
+// H100 3.9 ms instead of 2.3 for 100,000 strands on a sphere, 1.70 instead of 1.29 with factors.
 constexpr uint32_t kPerThread = 4, kFewerPerThread = 2;
 
-// A group's key: invocations per strand with kPerThread edges each, and what its strands let the shader do
-// without.
-constexpr uint32_t kGeneral = 64;    // anything may differ along the strand
-constexpr uint32_t kPinned = 128;    // more than the root is pinned
-constexpr uint32_t kGroomed = 256;   // StrandModel::hasFactors
-constexpr uint32_t kStraight = 512;  // straight at rest, and nothing but the root is pinned
-constexpr uint32_t kTapered = 1024;  // lengths do not, but masses, or joints where all is straight, do
+// A group's key: the number of invocations per strand with kPerThread edges each, in the low 6 bits, and
+// traits of its strands that decide on the variant of shaders/rod.comp.
+constexpr uint32_t kGeneral = 64;    // lengths, masses and stiffnesses may all differ along the strand
+constexpr uint32_t kPinned = 128;    // vertices besides the root are pinned
+constexpr uint32_t kGroomed = 256;   // StrandModel::hasFactors()
+constexpr uint32_t kStraight = 512;  // straight at rest, and only the root is pinned
+constexpr uint32_t kTapered = 1024;  // lengths are equal; masses, or of straight strands joints, differ
 constexpr uint32_t kCurved = 2048;   // groomed, and factors of damping and friction differ along strands
 constexpr uint32_t kUneven =
-    4096;  // lengths differ, but twist is in one ratio to bend, and only the root is pinned
+    4096;  // lengths differ; the ratio of twisting to bending stiffness is constant; only the root is pinned
 constexpr uint32_t kKeys = 8192;
 uint32_t threadsOf(uint32_t key) { return key & 63; }
-constexpr uint32_t kAnything = kGeneral | kPinned, kGrooming = kGroomed | kCurved;
+constexpr uint32_t kGenericKey = kGeneral | kPinned, kGrooming = kGroomed | kCurved;
 
-// How a group's strands are spread over invocations.
+// How a group's strands are spread over invocations: PER_THREAD and THREADS of shaders/rod.comp.
 struct Spread {
-  uint32_t per_thread;  // edges
-  uint32_t threads;     // of a strand
+  uint32_t per_thread;  // edges per invocation
+  uint32_t threads;     // invocations per strand
 };
 Spread spreadOf(uint32_t key, bool bodies) {
   const uint32_t threads = threadsOf(key), more = threads * (kPerThread / kFewerPerThread);
@@ -45,27 +45,27 @@ Spread spreadOf(uint32_t key, bool bodies) {
   return many_values && more <= kWorkgroup ? Spread{kFewerPerThread, more} : Spread{kPerThread, threads};
 }
 
-// Strands too few for a program of their own are done as if they might be anything, with one of two numbers
-// of invocations. Where programs take long to compile all of them share the widest.
+// Strands of rare kinds use the generic variant with 8 or 32 invocations per strand. Where compilation is
+// slow all of them share the one with 32.
 constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : kWorkgroup; }
 
-// So many strands have those astray done apart: that is one more dispatch to wait for, 0.03 ms of each
-// substep on an H100, and spares the others 1.1 ms a step of six in 100,000 strands.
-constexpr uint32_t kAstrayApart = 32768;
+// Groups of at least this many strands solve those with a stale contact cache in a dispatch of their own. It
+// costs 0.03 ms of each substep on an H100, and saves 1.1 ms per step with 100,000 strands.
+constexpr uint32_t kStaleCacheApart = 32768;
 
 constexpr GLuint kWholeGroup = 0xFFFFFFFF;  // as in shaders/rod_strand.glsl
 
-// By Needs::turning, and 3 for each of the numbers that shaders/look.comp has for SORTING.
-constexpr std::array<const char*, 3> kTurning = {"#define TURNING 0\n", "#define TURNING 1\n",
-                                                 "#define TURNING 2\n"};
-constexpr std::array<const char*, 9> kLooking = {
-    "#define TURNING 0\n#define SORTING 0\n", "#define TURNING 1\n#define SORTING 0\n",
-    "#define TURNING 2\n#define SORTING 0\n", "#define TURNING 0\n#define SORTING 1\n",
-    "#define TURNING 1\n#define SORTING 1\n", "#define TURNING 2\n#define SORTING 1\n",
-    "#define TURNING 0\n#define SORTING 2\n", "#define TURNING 1\n#define SORTING 2\n",
-    "#define TURNING 2\n#define SORTING 2\n"};
+// kShapeKinds: by Needs::shape_kinds. kQueryVariants: by shape_kinds + 3 x SORTING of query_contacts.comp.
+constexpr std::array<const char*, 3> kShapeKinds = {"#define SHAPE_KINDS 0\n", "#define SHAPE_KINDS 1\n",
+                                                    "#define SHAPE_KINDS 2\n"};
+constexpr std::array<const char*, 9> kQueryVariants = {
+    "#define SHAPE_KINDS 0\n#define SORTING 0\n", "#define SHAPE_KINDS 1\n#define SORTING 0\n",
+    "#define SHAPE_KINDS 2\n#define SORTING 0\n", "#define SHAPE_KINDS 0\n#define SORTING 1\n",
+    "#define SHAPE_KINDS 1\n#define SORTING 1\n", "#define SHAPE_KINDS 2\n#define SORTING 1\n",
+    "#define SHAPE_KINDS 0\n#define SORTING 2\n", "#define SHAPE_KINDS 1\n#define SORTING 2\n",
+    "#define SHAPE_KINDS 2\n#define SORTING 2\n"};
 
-/// Of shaders/rod_work.glsl.
+/// StrandRest of shaders/rod_work.glsl, which has the units.
 struct StrandRest {
   float edge_length, inverse_length, twist_per_bend, shortest, free_mass, arc_length, stiffest, bend,
       root_bend, traits;
@@ -113,7 +113,7 @@ StrandRest strandRest(const StrandModel& model, uint32_t strand) {
           static_cast<float>(traits)};
 }
 
-/// Rows of one, two or four numbers per vertex, of shaders/rod_strand.glsl.
+/// edge_rest[] of shaders/rod_strand.glsl: per vertex a row of one, two or four numbers.
 std::vector<float> packEdges(const StrandModel& model, size_t row) {
   std::vector<float> edges(row * model.vertices());
   for (uint32_t s = 0; s < model.strands(); ++s) {
@@ -130,7 +130,7 @@ std::vector<float> packEdges(const StrandModel& model, size_t row) {
   return edges;
 }
 
-// Strains at rest below this are none: points in float do not tell them, see evenTolerance().
+// A joint is straight below this rest strain, which is within the rounding of positions: see evenTolerance().
 constexpr float kStraightStrain = 1e-4f;
 bool isStraight(const StrandModel& model, uint32_t strand) {
   const auto first = model.rest_strain.begin() + model.offsets[strand];
@@ -138,7 +138,7 @@ bool isStraight(const StrandModel& model, uint32_t strand) {
                      [](const Vec3& strain) { return strain.norm() < kStraightStrain; });
 }
 
-// kGeneral, kUneven, kTapered or 0. `straight`: then its joints are to be alike, too.
+// kGeneral, kUneven, kTapered or 0. `straight`: 0 also requires equal bending stiffness of joints.
 uint32_t unevennessOf(const StrandModel& model, uint32_t strand, bool straight) {
   const StrandRest rest = strandRest(model, strand);
   const float tolerance = evenTolerance(model, strand);
@@ -170,33 +170,34 @@ std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
   std::array<size_t, kKeys> count{};
   for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
   const auto isRare = [&](uint32_t key) { return count[key] < kOwnProgram; };
-  uint32_t grooming = 0;  // of any rare one
+  uint32_t grooming = 0;  // kGrooming bits of all rare kinds
   for (const uint32_t key : keys)
     if (isRare(key)) grooming |= key & kGrooming;
   for (uint32_t& key : keys) {
     if (!isRare(key)) continue;
-    key = kAnything |
+    key = kGenericKey |
           (compiles_slowly ? kWorkgroup | grooming : sharedThreads(threadsOf(key)) | (key & kGrooming));
   }
   return keys;
 }
 
-// UNIFORM of shaders/rod.comp.
-int uniformOf(uint32_t key, bool goal) {
+// STRAND_UNIFORMITY of shaders/rod.comp.
+int uniformityOf(uint32_t key, bool goal) {
   if ((key & kGeneral) != 0) return 0;
   return (key & kUneven) != 0 ? 1 : goal || (key & (kTapered | kGroomed)) != 0 ? 2 : 3;
 }
 
-// A dispatch of listed strands when there are none yet: see shaders/rod_strand.glsl.
-constexpr std::array<GLuint, 4> kNobody = {0, 1, 1, 0};
+// Entry of an empty list in work_: an indirect dispatch of no workgroups, and a count of 0.
+constexpr std::array<GLuint, 4> kEmptyDispatch = {0, 1, 1, 0};
 constexpr size_t kMostSubsteps = 64;
 
-constexpr uint32_t kStrandsLooking = 8;  // of a workgroup of shaders/look.comp
-constexpr uint32_t kRootsLooking = 64;   // of a workgroup of shaders/roots.comp
-constexpr uint32_t kSorted = 128;        // of a workgroup of shaders/clear_strands.comp
-constexpr uint32_t kFindingFrames = 32;  // of a workgroup of shaders/straight_frames.comp
-// Workgroups that go through a list as long as it is; so many keep every GPU busy.
-constexpr uint32_t kMostKeptOut = 2048;
+// Strands per workgroup of the shaders:
+constexpr uint32_t kStrandsPerQuery = 8;  // query_contacts.comp
+constexpr uint32_t kRootsPerGroup = 64;   // roots.comp
+constexpr uint32_t kSorted = 128;         // contact_free_strands.comp
+constexpr uint32_t kFindingFrames = 32;   // straight_frames.comp
+// Workgroups of resolve_penetration.comp, which loop over a list of any length: enough to fill any GPU.
+constexpr uint32_t kPenetrationGroups = 2048;
 
 }  // namespace
 
@@ -217,7 +218,7 @@ RodStrands::RodStrands(const StrandModel& model, size_t few, bool compiles_slowl
       joints[v] = {strain.x(), strain.y(), strain.z(), model.bend[v]};
     }
   }
-  std::vector<uint32_t> work(listAt(List::kLost) + model.strands());
+  std::vector<uint32_t> work(listAt(List::kPenetrating) + model.strands());
   std::copy(groups_.order().begin(), groups_.order().end(), work.begin());
   work_ = gl::Buffer(std::span<const uint32_t>(work));
   joints_ = gl::Buffer(std::span<const Vec4>(joints));
@@ -238,11 +239,11 @@ bool RodStrands::anyGroup(uint32_t bits) const {
 }
 
 bool RodStrands::areFew(bool bodies) const {
-  return model_.vertices() <= (bodies ? few_ / 3 * 2 : few_);  // among bodies a strand takes more of a GPU
+  return model_.vertices() <= (bodies ? few_ / 3 * 2 : few_);  // among bodies a strand needs more threads
 }
 
-bool RodStrands::doesAstrayApart(const StrandGroup& group) const {
-  return !areFew(true) && group.count >= kAstrayApart;
+bool RodStrands::queriesStaleApart(const StrandGroup& group) const {
+  return !areFew(true) && group.count >= kStaleCacheApart;
 }
 
 bool RodStrands::isStiff(const Needs& needs) const { return kernels::f32::isStiff(stiffest_ * needs.time2); }
@@ -264,7 +265,7 @@ void RodStrands::findFrames(ProgramCache& programs) {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-void RodStrands::expect(bool goal, bool bodies) {
+void RodStrands::prepare(bool goal, bool bodies) {
   const uint32_t row = bodies || anyGroup(kGeneral)            ? 4
                        : anyGroup(kUneven)                     ? 2
                        : goal || anyGroup(kTapered | kGroomed) ? 1
@@ -274,38 +275,39 @@ void RodStrands::expect(bool goal, bool bodies) {
   edges_ = gl::Buffer(std::span<const float>(packEdges(model_, row)));
 }
 
-const gl::Program& RodStrands::compile(size_t group, Motion motion, bool astray, const Needs& needs,
+const gl::Program& RodStrands::compile(size_t group, Motion motion, bool stale_cache, const Needs& needs,
                                        ProgramCache& programs) const {
   const uint32_t key = groups_.groups()[group].key;
   const bool groomed = needs.goal || (key & kGroomed) != 0, curved = (key & kCurved) != 0;
-  const bool clear = motion == Motion::kClear, violent = motion == Motion::kViolent;
-  const bool bodies = needs.bodies && !clear;
-  const bool pinned = (key & kPinned) != 0, shared = compiles_slowly_ && (key & kAnything) == kAnything;
+  const bool contact_free = motion == Motion::kContactFree, dense_metric = motion == Motion::kDenseMetric;
+  const bool bodies = needs.bodies && !contact_free;
+  const bool pinned = (key & kPinned) != 0, shared = compiles_slowly_ && (key & kGenericKey) == kGenericKey;
   const bool stiff = shared || isStiff(needs) || (pinned && between_pins_);
   const bool straight = (key & kStraight) != 0 && !needs.bodies;
   const Spread spread = spreadOf(key, bodies);
   return programs.get(
       "rod.comp", shaders::kRodComp,
-      fmt::format("#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define UNIFORM {}\n"
-                  "#define PINNED {:d}\n#define STRAIGHT {:d}\n"
-                  "#define CLEAR {:d}\n#define BODIES {:d}\n#define TURNING {}\n"
-                  "#define GROOMED {}\n#define DAMPED {:d}\n#define VIOLENT {:d}\n#define STIFF {:d}\n"
-                  "#define ASTRAY {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
-                  spread.per_thread, spread.threads, edges_of_[group], uniformOf(key, needs.goal), pinned,
-                  straight, clear, bodies, astray ? needs.turning : 0, curved ? 2 : int{groomed},
-                  needs.damping, violent, violent && stiff, astray, shuffled_, needs.accelerated));
+      fmt::format(
+          "#define PER_THREAD {}\n#define THREADS {}\n#define EDGES {}\n#define STRAND_UNIFORMITY {}\n"
+          "#define PINNED {:d}\n#define STRAIGHT {:d}\n"
+          "#define CONTACT_FREE {:d}\n#define BODIES {:d}\n#define SHAPE_KINDS {}\n"
+          "#define GROOMED {}\n#define DAMPED {:d}\n#define DENSE_METRIC {:d}\n#define STIFF {:d}\n"
+          "#define STALE_CACHE {:d}\n#define SHUFFLED {:d}\n#define ACCELERATED {:d}\n",
+          spread.per_thread, spread.threads, edges_of_[group], uniformityOf(key, needs.goal), pinned,
+          straight, contact_free, bodies, stale_cache ? needs.shape_kinds : 0, curved ? 2 : int{groomed},
+          needs.damping, dense_metric, dense_metric && stiff, stale_cache, shuffled_, needs.accelerated));
 }
 
 RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& programs) const {
-  auto get = [&](size_t group, Motion motion, bool astray) {
-    return &compile(group, motion, astray, needs, programs);
+  auto get = [&](size_t group, Motion motion, bool stale_cache) {
+    return &compile(group, motion, stale_cache, needs, programs);
   };
   Programs out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
-    const bool apart = needs.bodies && doesAstrayApart(groups_.groups()[g]);
+    const bool apart = needs.bodies && queriesStaleApart(groups_.groups()[g]);
     out.calm.push_back(areFew(needs.bodies) ? nullptr : get(g, Motion::kCalm, false));
-    out.violent.push_back(get(g, Motion::kViolent, needs.bodies && !apart));
-    out.astray.push_back(apart ? get(g, Motion::kViolent, true) : nullptr);
+    out.dense_metric.push_back(get(g, Motion::kDenseMetric, needs.bodies && !apart));
+    out.stale_cache.push_back(apart ? get(g, Motion::kDenseMetric, true) : nullptr);
   }
   return out;
 }
@@ -317,72 +319,75 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   else
     frames_lag_ = frames_lag_ || anyGroup(kStraight);
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
-                             (needs.damping ? 8 : 0) + 16 * static_cast<size_t>(needs.turning) +
+                             (needs.damping ? 8 : 0) + 16 * static_cast<size_t>(needs.shape_kinds) +
                              (isStiff(needs) ? 48 : 0)];
-  if (mine.violent.empty()) mine = compile(needs, programs);
+  if (mine.dense_metric.empty()) mine = compile(needs, programs);
   work_.bindStorage(5);
   joints_.bindStorage(10);
   if (edges_.bytes() > 0) edges_.bindStorage(11);
   strands_.bindStorage(12);
-  if (!needs.bodies && areFew(false)) {  // nothing is listed
+  if (!needs.bodies && areFew(false)) {  // one variant solves all strands: no lists
     solve(mine, needs, 0, substeps);
     return;
   }
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, work_.id());
   glClearNamedBufferSubData(
-      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(clearAt(0) * sizeof(uint32_t)),
-      static_cast<GLsizeiptr>((violentAt(0, dispatches) - clearAt(0)) * sizeof(uint32_t)), GL_RGBA_INTEGER,
-      GL_UNSIGNED_INT, kNobody.data());
+      work_.id(), GL_RGBA32UI, static_cast<GLintptr>(contactFreeAt(0) * sizeof(uint32_t)),
+      static_cast<GLsizeiptr>((denseMetricAt(0, dispatches) - contactFreeAt(0)) * sizeof(uint32_t)),
+      GL_RGBA_INTEGER, GL_UNSIGNED_INT, kEmptyDispatch.data());
   if (!needs.bodies) {
     solve(mine, needs, 0, substeps);
     return;
   }
-  const bool sorted = sortsOutClear(needs);
-  const auto turning = static_cast<size_t>(needs.turning);
+  const bool sorted = sortsOutContactFree(needs);
+  const auto shape_kinds = static_cast<size_t>(needs.shape_kinds);
   const gl::Program& roots =
-      roots_[turning].get(programs, "roots.comp", shaders::kRootsComp, kTurning[turning]);
-  const gl::Program& keep_out =
-      keep_out_[turning].get(programs, "keep_out.comp", shaders::kKeepOutComp, kTurning[turning]);
+      roots_[shape_kinds].get(programs, "roots.comp", shaders::kRootsComp, kShapeKinds[shape_kinds]);
+  const gl::Program& resolve = resolve_penetration_[shape_kinds].get(
+      programs, "resolve_penetration.comp", shaders::kResolvePenetrationComp, kShapeKinds[shape_kinds]);
   const auto strands = static_cast<uint32_t>(groups_.order().size());
   for (int substep = 0; substep < substeps; ++substep) {
     glProgramUniform1i(roots.id(), 0, substep);
     glProgramUniform1i(roots.id(), 1, sorted);
-    dispatch(roots, strands, kRootsLooking);
+    dispatch(roots, strands, kRootsPerGroup);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    const size_t looks = turning + (!sorted ? 0 : substep == 0 ? 3 : 6);
-    const gl::Program& look = look_[looks].get(programs, "look.comp", shaders::kLookComp, kLooking[looks]);
-    glProgramUniform1i(look.id(), 0, substep);
-    glProgramUniform1i(look.id(), 1, substep == 0 && !needs.same_bodies);
-    dispatch(look, strands, kStrandsLooking);
+    const size_t variant = shape_kinds + (!sorted ? 0 : substep == 0 ? 3 : 6);
+    const gl::Program& query = query_contacts_[variant].get(
+        programs, "query_contacts.comp", shaders::kQueryContactsComp, kQueryVariants[variant]);
+    glProgramUniform1i(query.id(), 0, substep);
+    glProgramUniform1i(query.id(), 1, substep == 0 && !needs.same_bodies);
+    dispatch(query, strands, kStrandsPerQuery);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    if (sorted && substep == 0) doClear(needs, substeps, programs);
+    if (sorted && substep == 0) stepContactFree(needs, substeps, programs);
     solve(mine, needs, substep, substep + 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glProgramUniform1ui(keep_out.id(), 2, static_cast<GLuint>(lostCount(substep)));
-    glProgramUniform1ui(keep_out.id(), 3, static_cast<GLuint>(listAt(List::kLost)));
-    glProgramUniform1i(keep_out.id(), 4, substep);
-    dispatch(keep_out, std::min(kMostKeptOut, strands), 1);
+    glProgramUniform1ui(resolve.id(), 2, static_cast<GLuint>(penetratingCount(substep)));
+    glProgramUniform1ui(resolve.id(), 3, static_cast<GLuint>(listAt(List::kPenetrating)));
+    glProgramUniform1i(resolve.id(), 4, substep);
+    dispatch(resolve, std::min(kPenetrationGroups, strands), 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   }
 }
 
-void RodStrands::doClear(const Needs& needs, int substeps, ProgramCache& programs) {
+void RodStrands::stepContactFree(const Needs& needs, int substeps, ProgramCache& programs) {
   const std::span<const StrandGroup> groups = groups_.groups();
-  GroupPrograms& mine = clear_[(needs.goal ? 1 : 0) + (needs.accelerated ? 2 : 0) + (needs.damping ? 4 : 0)];
+  GroupPrograms& mine =
+      contact_free_[(needs.goal ? 1 : 0) + (needs.accelerated ? 2 : 0) + (needs.damping ? 4 : 0)];
   for (size_t g = mine.size(); g < groups.size(); ++g)
-    mine.push_back(&compile(g, Motion::kClear, false, needs, programs));
-  const gl::Program& sort = clear_strands_.get(programs, "clear_strands.comp", shaders::kClearStrandsComp);
+    mine.push_back(&compile(g, Motion::kContactFree, false, needs, programs));
+  const gl::Program& sort =
+      contact_free_strands_.get(programs, "contact_free_strands.comp", shaders::kContactFreeStrandsComp);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const Strands clear = listed(List::kClear, g), near = listed(List::kNear, g);
+    const StrandList contact_free = listed(List::kContactFree, g), near = listed(List::kNear, g);
     glProgramUniform1ui(sort.id(), 0, groups[g].first);
     glProgramUniform1ui(sort.id(), 1, groups[g].count);
-    glProgramUniform2ui(sort.id(), 2, clear.count, near.count);
-    glProgramUniform2ui(sort.id(), 3, clear.list, near.list);
+    glProgramUniform2ui(sort.id(), 2, contact_free.count, near.count);
+    glProgramUniform2ui(sort.id(), 3, contact_free.list, near.list);
     dispatch(sort, groups[g].count, kSorted);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (size_t g = 0; g < groups.size(); ++g) {
-    placeWork(*mine[g], needs, false, g, listed(List::kClear, g), listed(List::kNear, g), 0, substeps);
+    placeWork(*mine[g], needs, false, g, listed(List::kContactFree, g), listed(List::kNear, g), 0, substeps);
     dispatch(*mine[g], groups[g].count, kWorkgroup / spreadOf(groups[g].key, false).threads);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -392,9 +397,9 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
   const std::span<const StrandGroup> groups = groups_.groups();
   const bool few = areFew(needs.bodies);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const gl::Program& program = few ? *programs.violent[g] : *programs.calm[g];
-    const Strands own = sortsOutClear(needs) ? listed(List::kNear, g) : wholeGroup(g);
-    placeWork(program, needs, needs.bodies, g, own, listed(List::kViolent, g, first), first, end);
+    const gl::Program& program = few ? *programs.dense_metric[g] : *programs.calm[g];
+    const StrandList own = sortsOutContactFree(needs) ? listed(List::kNear, g) : wholeGroup(g);
+    placeWork(program, needs, needs.bodies, g, own, listed(List::kDenseMetric, g, first), first, end);
     dispatch(program, groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
   if (few) return;
@@ -403,40 +408,40 @@ void RodStrands::solve(const Programs& programs, const Needs& needs, int first, 
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     for (size_t g = 0; g < groups.size(); ++g) {
       if (left[g] == nullptr) continue;
-      const Strands own = listed(list, g, first);
+      const StrandList own = listed(list, g, first);
       placeWork(*left[g], needs, needs.bodies, g, own, own, first, end);
       left[g]->use();
       glDispatchComputeIndirect(static_cast<GLintptr>((own.count - 3) * sizeof(uint32_t)));
     }
   };
-  doAll(programs.violent, List::kViolent);
-  doAll(programs.astray, List::kAstray);
+  doAll(programs.dense_metric, List::kDenseMetric);
+  doAll(programs.stale_cache, List::kStaleCache);
 }
 
-size_t RodStrands::violentAt(size_t group, int substep) const {
+size_t RodStrands::denseMetricAt(size_t group, int substep) const {
   const size_t all = groups_.groups().size(), dispatches = 2 * all + 1;
-  return clearAt(2 * all) + 4 * (dispatches * static_cast<size_t>(substep) + group);
+  return contactFreeAt(2 * all) + 4 * (dispatches * static_cast<size_t>(substep) + group);
 }
 
 size_t RodStrands::listAt(List list, size_t group) const {
-  const size_t first = list == List::kLost ? 0 : groups_.groups()[group].first;
-  return violentAt(0, kMostSubsteps) + static_cast<size_t>(list) * groups_.order().size() + first;
+  const size_t first = list == List::kPenetrating ? 0 : groups_.groups()[group].first;
+  return denseMetricAt(0, kMostSubsteps) + static_cast<size_t>(list) * groups_.order().size() + first;
 }
 
-RodStrands::Strands RodStrands::listed(List list, size_t group, int substep) const {
-  const size_t dispatch = list == List::kClear     ? clearAt(group)
-                          : list == List::kNear    ? nearAt(group)
-                          : list == List::kViolent ? violentAt(group, substep)
-                                                   : astrayAt(group, substep);
+RodStrands::StrandList RodStrands::listed(List list, size_t group, int substep) const {
+  const size_t dispatch = list == List::kContactFree   ? contactFreeAt(group)
+                          : list == List::kNear        ? nearAt(group)
+                          : list == List::kDenseMetric ? denseMetricAt(group, substep)
+                                                       : staleCacheAt(group, substep);
   return {static_cast<GLuint>(dispatch + 3), static_cast<GLuint>(listAt(list, group))};
 }
 
-RodStrands::Strands RodStrands::wholeGroup(size_t group) const {
+RodStrands::StrandList RodStrands::wholeGroup(size_t group) const {
   return {kWholeGroup, groups_.groups()[group].first};
 }
 
 void RodStrands::placeWork(const gl::Program& program, const Needs& needs, bool bodies, size_t group,
-                           Strands own, Strands left, int first, int end) const {
+                           StrandList own, StrandList left, int first, int end) const {
   glProgramUniform1ui(program.id(), 0, own.count);
   glProgramUniform1ui(program.id(), 1, own.list);
   glProgramUniform1ui(program.id(), 2, left.count);
@@ -444,15 +449,15 @@ void RodStrands::placeWork(const gl::Program& program, const Needs& needs, bool 
   glProgramUniform1i(program.id(), 4, first);
   glProgramUniform1i(program.id(), 5, end);
   glProgramUniform1ui(program.id(), 10, groups_.groups()[group].count);
-  const int uniform = uniformOf(groups_.groups()[group].key, needs.goal);
+  const int uniform = uniformityOf(groups_.groups()[group].key, needs.goal);
   if (!bodies && (uniform == 1 || uniform == 2)) glProgramUniform1ui(program.id(), 11, edge_row_);
   if (!bodies) return;
-  const List to = doesAstrayApart(groups_.groups()[group]) ? List::kAstray : List::kViolent;
-  const Strands astray = areFew(true) ? own : listed(to, group, first);
-  glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(lostCount(first)));
-  glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(listAt(List::kLost)));
-  glProgramUniform1ui(program.id(), 8, astray.count);
-  glProgramUniform1ui(program.id(), 9, astray.list);
+  const List to = queriesStaleApart(groups_.groups()[group]) ? List::kStaleCache : List::kDenseMetric;
+  const StrandList stale_cache = areFew(true) ? own : listed(to, group, first);
+  glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(penetratingCount(first)));
+  glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(listAt(List::kPenetrating)));
+  glProgramUniform1ui(program.id(), 8, stale_cache.count);
+  glProgramUniform1ui(program.id(), 9, stale_cache.list);
 }
 
 }  // namespace strandcast::gpu

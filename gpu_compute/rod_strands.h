@@ -7,99 +7,108 @@
 
 namespace strandcast::gpu {
 
-/// What the rod needs of a model, and its dispatches: four edges per invocation (shaders/rod.comp).
+/// The rod solver on the GPU: its copy of a model's rest data, and the dispatches of a step
+/// (shaders/rod.comp), with two or four edges per invocation. Precondition of every call: the context in
+/// which it was constructed is current.
 class RodStrands {
  public:
-  /// `model` outlives this. `few`: strands of up to so many vertices in all, and of two thirds of it among
-  /// bodies, go in one turn, as if all were violent. `compiles_slowly`: strands of kinds that are rare in the
-  /// model share one program, though it does more than some of them need.
+  /// `model` must outlive this. `few`: a model of up to this many vertices, among bodies two thirds of it, is
+  /// solved in one dispatch per group, by the variant with the dense metric. `compiles_slowly`: strands of
+  /// rare kinds share one variant, though it does more than some of them need.
   RodStrands(const StrandModel& model, size_t few, bool compiles_slowly);
-  /// Before the first step with a goal pull or bodies.
-  void expect(bool goal, bool bodies);
-  /// Whether a program may ask where vertices are in the rest shape, goal pull aside.
+  /// Allocates the rest data that steps with a goal or bodies need. Call it before the first of them.
+  void prepare(bool goal, bool bodies);
+  /// Whether shaders read the rest shape even without a goal: for pinned vertices or grooming factors.
   bool holdsVertices() const;
-  /// What the programs of a step are chosen by.
+  /// What decides on the shader variants and passes of a step.
   struct Needs {
-    bool bodies;       ///< there are some
-    int turning;       ///< 1: some of them are of kinds with a rotation; 2: fields that bend
-    bool fields;       ///< some of them are fields
-    bool goal;         ///< all strands are pulled towards their goals
-    bool accelerated;  ///< StepInput::accelerations
-    bool damping;      ///< there is internal damping
-    float time2;       ///< s^2, see DragStep
-    bool same_bodies;  ///< what vertices have seen of bodies in the step before holds on
+    bool bodies;       ///< there are bodies
+    int shape_kinds;   ///< SHAPE_KINDS of shaders/bodies.glsl, 0 to 2
+    bool fields;       ///< some bodies are fields
+    bool goal;         ///< goals are on for all strands
+    bool accelerated;  ///< vertices have external accelerations
+    bool damping;      ///< internal damping is on
+    float time2;       ///< s^2, DragStep::time2
+    bool same_bodies;  ///< the contact cache of the last step is still valid
   };
-  /// Gives the commands of a step; the buffers of GpuStrands are bound. The first one with new needs
-  /// compiles. Without bodies it is one dispatch of each group of few strands, two of many; with them some
-  /// for each substep, of many strands without those that no body comes near in the step.
+  /// Records the dispatches of a step. Precondition: the buffers of GpuStrands are bound. The first step with
+  /// new needs compiles and may throw Error. Without bodies: one dispatch per group of a small model, two per
+  /// group of a large one. Among bodies: several per substep; in large models contact-free strands are
+  /// excluded from them and solved by one dispatch per group.
   void step(const Needs& needs, int substeps, ProgramCache& programs);
-  /// Steps without bodies leave strands that are straight at rest without frames but their first: finds the
-  /// others where that is so. The buffers of GpuStrands are bound.
+  /// Computes the material frames that steps without bodies have not stored: of strands that are straight at
+  /// rest, all but the first. Precondition: the buffers of GpuStrands are bound.
   void findFrames(ProgramCache& programs);
-  /// All frames are new.
+  /// Tells that all frames have been uploaded.
   void takeFrames() { frames_lag_ = false; }
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
-  /// Of each group; a strand that the first cannot do is left to the second, and so on. Null where the other
-  /// does these too: calm of few strands, astray of not very many.
+  /// Variants per group: without the dense metric, with it, and with it and contact queries. A strand that
+  /// one cannot solve is left to the next. Null if another variant includes it: `calm` in small models,
+  /// `stale_cache` in groups that are not large.
   struct Programs {
-    GroupPrograms calm, violent, astray;
+    GroupPrograms calm, dense_metric, stale_cache;
   };
+  /// Whether the model is small: one variant solves all strands.
   bool areFew(bool bodies) const;
-  bool doesAstrayApart(const StrandGroup& group) const;
-  /// Whether any strand is, in these substeps.
+  /// Whether strands of the group with a stale contact cache are solved by a dispatch of their own.
+  bool queriesStaleApart(const StrandGroup& group) const;
+  /// Whether any strand is stiff, isStiff() of kernels/rod.h, at this time2.
   bool isStiff(const Needs& needs) const;
-  /// Whether the keys of some groups have one of these.
+  /// Whether the key of any group has one of these bits.
   bool anyGroup(uint32_t bits) const;
-  enum class Motion { kClear, kCalm, kViolent };
-  const gl::Program& compile(size_t group, Motion motion, bool astray, const Needs& needs,
+  enum class Motion { kContactFree, kCalm, kDenseMetric };
+  const gl::Program& compile(size_t group, Motion motion, bool stale_cache, const Needs& needs,
                              ProgramCache& programs) const;
   Programs compile(const Needs& needs, ProgramCache& programs) const;
-  /// Whether it pays to find those that no body comes near in the step.
-  bool sortsOutClear(const Needs& needs) const { return needs.bodies && !areFew(true) && !needs.fields; }
-  /// After the first look of a step: sorts strands into clear and near ones, and does the clear ones.
-  void doClear(const Needs& needs, int substeps, ProgramCache& programs);
-  /// The substeps from `first` until before `end`; among bodies, of near strands.
-  void solve(const Programs& programs, const Needs& needs, int first, int end) const;
-  // Places in work_, in 4 bytes: see shaders/rod_work.glsl.
-  size_t clearAt(size_t group) const { return (groups_.order().size() + 3) / 4 * 4 + 4 * group; }
-  size_t nearAt(size_t group) const { return clearAt(groups_.groups().size() + group); }
-  size_t violentAt(size_t group, int substep) const;
-  size_t astrayAt(size_t group, int substep) const {
-    return violentAt(groups_.groups().size() + group, substep);
+  /// Whether contact-free strands are solved apart: in large models among bodies, unless there are fields.
+  bool sortsOutContactFree(const Needs& needs) const {
+    return needs.bodies && !areFew(true) && !needs.fields;
   }
-  size_t lostCount(int substep) const { return violentAt(2 * groups_.groups().size(), substep); }
-  enum class List { kClear, kNear, kViolent, kAstray, kLost };
+  /// After the first contact queries of a step: classifies strands, and solves the contact-free ones.
+  void stepContactFree(const Needs& needs, int substeps, ProgramCache& programs);
+  /// Solves the substeps from `first` to `end` - 1; if contact-free strands are solved apart, of near
+  /// strands.
+  void solve(const Programs& programs, const Needs& needs, int first, int end) const;
+  // Indices in work_, of 4-byte words: see shaders/rod_work.glsl.
+  size_t contactFreeAt(size_t group) const { return (groups_.order().size() + 3) / 4 * 4 + 4 * group; }
+  size_t nearAt(size_t group) const { return contactFreeAt(groups_.groups().size() + group); }
+  size_t denseMetricAt(size_t group, int substep) const;
+  size_t staleCacheAt(size_t group, int substep) const {
+    return denseMetricAt(groups_.groups().size() + group, substep);
+  }
+  size_t penetratingCount(int substep) const { return denseMetricAt(2 * groups_.groups().size(), substep); }
+  enum class List { kContactFree, kNear, kDenseMetric, kStaleCache, kPenetrating };
   size_t listAt(List list, size_t group = 0) const;
-  /// Some strands, as the programs are told where they are in work_.
-  struct Strands {
+  /// A list of strands: indices in work_ of its count (or kWholeGroup) and of its first strand.
+  struct StrandList {
     GLuint count, list;
   };
-  Strands listed(List list, size_t group, int substep = 0) const;
-  Strands wholeGroup(size_t group) const;
-  /// Tells the program which strands of a group to do, where to leave those that it cannot, and in which
-  /// substeps. `bodies`: it heeds them.
-  void placeWork(const gl::Program& program, const Needs& needs, bool bodies, size_t group, Strands own,
-                 Strands left, int first, int end) const;
+  StrandList listed(List list, size_t group, int substep = 0) const;
+  StrandList wholeGroup(size_t group) const;
+  /// Sets the program's uniforms: the strands of a group to solve, the list for those that it cannot solve,
+  /// and the substeps. `bodies`: the BODIES variant.
+  void placeWork(const gl::Program& program, const Needs& needs, bool bodies, size_t group, StrandList own,
+                 StrandList left, int first, int end) const;
 
   const StrandModel& model_;
   StrandGroups groups_;             ///< key: see rod_strands.cc
-  std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 where they differ
-  float stiffest_ = 0;              ///< the greatest StrandRest::stiffest
-  bool between_pins_ = false;       ///< some strand hangs between two pins, and may be taut there
+  std::vector<uint32_t> edges_of_;  ///< per group: edges of each of its strands, 0 if they differ
+  float stiffest_ = 0;              ///< greatest StrandRest::stiffest, 1/s^2
+  bool between_pins_ = false;       ///< some strand hangs between two pins and may be taut
   gl::Buffer work_, joints_, strands_;
-  gl::Buffer edges_;       ///< empty until a step needs it: programs of uniform strands do without
-  uint32_t edge_row_ = 0;  ///< numbers of one of its rows
+  gl::Buffer edges_;       ///< empty until a step needs it: variants for uniform strands do not
+  uint32_t edge_row_ = 0;  ///< floats per row of edges_: 0, 1, 2 or 4
   const size_t few_;
   const bool compiles_slowly_;
   const bool shuffled_;
-  std::array<Programs, 96> programs_;            ///< by needs; empty until first needed
-  std::array<GroupPrograms, 8> clear_;           ///< the same, of clear strands
-  std::array<LazyProgram, 3> roots_, keep_out_;  ///< by Needs::turning
-  std::array<LazyProgram, 9> look_;              ///< by this and SORTING of shaders/look.comp
-  LazyProgram clear_strands_, straight_frames_;
-  bool frames_lag_ = false;  ///< see findFrames()
+  std::array<Programs, 96> programs_;                       ///< by needs; empty until first needed
+  std::array<GroupPrograms, 8> contact_free_;               ///< the same, CONTACT_FREE variants
+  std::array<LazyProgram, 3> roots_, resolve_penetration_;  ///< by Needs::shape_kinds
+  std::array<LazyProgram, 9> query_contacts_;  ///< by shape_kinds and SORTING of query_contacts.comp
+  LazyProgram contact_free_strands_, straight_frames_;
+  bool frames_lag_ = false;  ///< some frames are not stored: see findFrames()
 };
 
 }  // namespace strandcast::gpu

@@ -8,13 +8,13 @@
 namespace strandcast::gpu {
 namespace {
 
-// Of a strand in one tile; of one with more, so that tiles do not get too thin, about so many at a time.
+// Pieces per strand in a tile, at most. A strand with more is cut into tiles of about kSomePieces pieces, so
+// that a tile still has several strands.
 constexpr uint32_t kMostPieces = 64, kSomePieces = 48;
-constexpr float kPlacesPerCell = 4;  // what is in the same one is as good as at one place
+constexpr float kPlacesPerCell = 4;  // resolution of the Morton order, per cell of the hair grid and axis
 constexpr uint32_t kPlaceBits = 10;  // per axis
 
-// Places with near numbers are near each other: bits of the axes in turn (Morton 1966). `x` in the groom's
-// frame, m.
+// Morton code (Morton 1966) of a position: near codes are near in space. `x` in the groom's frame, m.
 uint32_t mortonOf(const HairLayout& layout, const Vec3& x) {
   const Vec3 place = (x - layout.corner) * (kPlacesPerCell / layout.cell);
   uint32_t code = 0;
@@ -28,7 +28,7 @@ uint32_t mortonOf(const HairLayout& layout, const Vec3& x) {
 
 auto cutOf(const StrandPieces& s) { return std::tuple(s.edges, s.pieces, s.parts); }
 
-// Strands that are cut alike one after the other, and of those the ones with neighbouring roots.
+// Strand numbers, sorted by how strands are cut, then by the Morton code of their roots.
 std::vector<uint32_t> orderOf(const StrandModel& model, const StrandSamples& samples,
                               const HairLayout& layout) {
   std::vector<uint32_t> codes(model.strands()), out(model.strands());
@@ -41,7 +41,7 @@ std::vector<uint32_t> orderOf(const StrandModel& model, const StrandSamples& sam
   return out;
 }
 
-// Where piece p of a strand is at rest, about.
+// Approximate rest position of piece p of a strand, m.
 Vec3 restingPlace(const StrandModel& model, uint32_t s, const StrandPieces& cut, uint32_t p) {
   const uint32_t parts = cut.parts;
   const uint32_t first = cut.vertex + cut.firstEdge(p);
@@ -58,7 +58,7 @@ SampleTiles sampleTiles(const StrandModel& model, const StrandSamples& samples, 
   out.places.resize(samples.samples.size());
   const std::vector<uint32_t> strands = orderOf(model, samples, layout);
   for (const uint32_t strand : strands) out.roots.push_back(samples.strands[strand].vertex);
-  std::vector<std::array<uint32_t, 3>> inside;  // of a tile: where its samples are, their pieces and strands
+  std::vector<std::array<uint32_t, 3>> inside;  // samples of a tile: Morton code, piece, strand
   for (uint32_t first = 0; first < strands.size();) {
     const StrandPieces& cut = samples.strands[strands[first]];
     const uint32_t all = cut.pieces, parts = cut.parts;

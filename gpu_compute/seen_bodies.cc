@@ -11,7 +11,7 @@ bool same(const float (&a)[n], const float (&b)[n]) {
 }
 
 bool goesOn(const MovingPrimitive& before, const MovingPrimitive& now) {
-  // A field goes on bending from where it was, and has a larger or smaller ball for it.
+  // The bend of a field, and so its bounding radius, may change between steps.
   const bool bends = now.kind == static_cast<uint32_t>(PrimitiveKind::kField);
   return before.kind == now.kind && (bends || (before.radius == now.radius && before.extra == now.extra)) &&
          before.radius_b == now.radius_b && before.data == now.data && same(before.extent, now.extent) &&

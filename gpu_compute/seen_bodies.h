@@ -7,11 +7,11 @@
 
 namespace strandcast::gpu {
 
-/// The bodies of the newest step, to tell whether what vertices have seen of them holds on in the next.
+/// Remembers the bodies of the newest step, to decide whether the contact cache remains valid in the next.
 class SeenBodies {
  public:
-  /// To be called in every step, in order. True when its bodies are those of the step before, go on from
-  /// where they were, and the same strands may touch them.
+  /// Call it once per step, in order. True if the step has the bodies of the step before, each starts where
+  /// it ended, and the near-body lists and the hair's radius are the same.
   bool holdsIn(const StepInput& input);
 
  private:

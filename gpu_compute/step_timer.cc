@@ -4,7 +4,7 @@ namespace strandcast::gpu {
 namespace {
 
 constexpr GLuint64 kNothing =
-    1000;  // ns; less is no measurement: llvmpipe counts the giving of commands only
+    1000;  // ns; less is no measurement: llvmpipe measures the recording of commands only
 
 }  // namespace
 

@@ -6,7 +6,8 @@
 
 namespace strandcast::gpu {
 
-/// How long the GPU works on a step's dispatches, by timer queries that are read when their answer is there.
+/// GPU time of a step's dispatches, by timer queries that are read without waiting. Needs a current context
+/// for its whole life.
 class StepTimer {
  public:
   StepTimer();
@@ -14,18 +15,18 @@ class StepTimer {
   StepTimer(const StepTimer&) = delete;
   StepTimer& operator=(const StepTimer&) = delete;
 
-  /// Around the commands of a step. One that finds all queries still unanswered is not measured.
+  /// Call these before and after the commands of a step. A step is not measured while all queries are
+  /// pending.
   void begin();
   void end();
-  /// Takes the answers that are there. Never waits.
+  /// Reads the results that are available. Never waits.
   void poll();
-  /// Seconds, of the newest step whose answer was there; none where the driver does not measure (it answers
-  /// 0).
+  /// Seconds of the newest step whose result is known; none if the driver does not measure (it reports 0).
   std::optional<double> newest() const { return newest_; }
 
  private:
-  std::array<GLuint, 4> queries_{};  ///< a ring
-  size_t asked_ = 0, answered_ = 0;  ///< counts over the whole life
+  std::array<GLuint, 4> queries_{};  ///< ring buffer
+  size_t asked_ = 0, answered_ = 0;  ///< total counts
   bool running_ = false;
   std::optional<double> newest_;
 };

@@ -13,11 +13,11 @@ namespace strandcast::gpu {
 namespace {
 
 constexpr size_t kInvocations = 256;
-constexpr int kAhead = 1;   // iterations of the pressure beyond what the step before last took
-constexpr int kFirst = 12;  // iterations of the first steps
-constexpr int kBatch = 4;   // iterations between two looks at the residual
+constexpr int kAhead = 1;   // pressure iterations beyond those of the step before last
+constexpr int kFirst = 12;  // pressure iterations of the first two steps
+constexpr int kBatch = 4;   // pressure iterations between two reads of the residual by project()
 
-/// Of shaders/ambient.glsl.
+/// Source of shaders/ambient.glsl.
 struct PackedSource {
   float position[3], kind;
   float direction[3], rate;
@@ -156,7 +156,7 @@ void WindPasses::carry() {
 
 void WindPasses::reset(AirBlock& block) {
   describe(block.settings, 1);
-  for (int& shift : block.settings.shift) shift = 2 * cells_;  // nothing is known
+  for (int& shift : block.settings.shift) shift = 2 * cells_;  // farther than the grid: every value is new
   block.send();
   carry();
 }
@@ -226,7 +226,7 @@ void WindPasses::findSolids(const gl::Buffer& shapes) {
   shapes.bindStorage(14);
   (bends_ ? bent_solids_of_ : solids_of_)
       .get(programs_, "wind_solids.comp", shaders::kWindSolidsComp,
-           bends_ ? "#define TURNING 2\n" : "#define TURNING 1\n")
+           bends_ ? "#define SHAPE_KINDS 2\n" : "#define SHAPE_KINDS 1\n")
       .use();
   dispatchCells();
 }

@@ -16,70 +16,82 @@
 
 namespace strandcast::gpu {
 
-/// The air of air/wind_grid.h as compute shaders. What a pass is told goes through `block`, which is sent
-/// before it. Every call needs the context that made it current.
+/// Passes of the wind grid (air/wind_grid.h) as compute shaders. Passes read their settings from an AirBlock:
+/// call describe() and AirBlock::send() before them. Precondition of every call: the context in which it was
+/// constructed is current.
 class WindPasses {
  public:
+  /// `cells`: per axis, 16 to 128, a multiple of 16; `cell`: edge of a cell, m. Compiles shaders of the
+  /// pressure solve; may throw Error, as may the first call of each pass.
   WindPasses(int cells, float cell, Wind::Border border, ProgramCache& programs);
 
   int cells() const { return cells_; }
   float cell() const { return cell_; }
-  Vec3 origin() const { return box_.corner(); }
+  Vec3 origin() const { return box_.corner(); }  ///< low corner of the box, m
   Ambient& ambient() { return ambient_; }
 
-  /// Writes where the box is and what blows into the settings.
+  /// Writes the settings of the passes: position of the box, ambient wind, sources. `seconds`: time step.
   void describe(AirSettings& settings, double seconds) const;
-  /// As Wind::centreAt. True where the box moved: then carry() is to be called.
+  /// As Wind::centreAt(). True if the box moved: send the settings, then call carry().
   bool moveTo(const Vec3& middle, AirSettings& settings);
-  /// As WindBox::moveOrigin: the air stays where it is. Eddies and sources are others' business.
+  /// Origin rebasing of the box, as WindBox::moveOrigin(): air keeps its position in the world. The caller
+  /// rebases ambient() and the sources.
   void moveOrigin(const Vec3& way) {
     box_.moveOrigin(way);
     packed_ = false;
   }
-  /// Everything moves by the settings' shift.
+  /// Shifts the grid's contents by AirSettings::shift; air keeps its position in the world.
   void carry();
+  /// Fills the grid with the ambient wind.
   void reset(AirBlock& block);
-  void setFaces(std::span<const float> faces);  ///< in the order of shaders/air_settings.glsl
+  void setFaces(std::span<const float> faces);  ///< m/s, in the order of shaders/air_settings.glsl
 
-  /// Of `words`, which are in `shapes`. Bodies are copied.
+  /// Sets the bodies of findSolids(). Their shape data must be in its `shapes`. Bodies are copied.
   void takeBodies(std::span<const MovingPrimitive> bodies, AirSettings& settings);
-  /// As Wind::takeSources. The settings know of them from describe() on.
+  /// As Wind::takeSources(). Takes effect with the next describe().
   void takeSources(std::vector<WindSource> sources);
-  /// Those among them that let out air.
+  /// The spheres among the sources, if the border is open: they set target divergences.
   std::vector<SphereOnGrid> spheres() const;
-  /// Sources of wind as shaders/ambient.glsl reads them where there is no grid.
+  /// Sources of wind in the layout of shaders/ambient.glsl, for use without a grid.
   static gl::Buffer packed(std::span<const WindSource> sources);
 
-  // Passes. Those that others wait for end with what makes their results visible; findDisplacements,
-  // findSolids and findExchange do not: finishPass() is to be called once for several.
+  // Passes. They end with finishPass(), but for findDisplacements(), findSolids() and findExchange(): the
+  // caller calls it once for several of these.
   void findDisplacements(bool mac_cormack);
   void advect(bool mac_cormack);
   void findSolids(const gl::Buffer& shapes);
-  /// Room for air that slips along hair.
+  /// Allocates the memory for air that slips along hair.
   void expectSlip();
+  /// Momentum exchange of the step with sources and, if given, `hair`.
   void findExchange(const std::optional<HairOnAir>& hair);
-  /// `exchanges`: with what findExchange found, at the end.
+  /// `viscosity` in m^2/s. `exchanges`: afterwards applies the result of findExchange().
   void diffuse(double seconds, double viscosity, bool exchanges);
-  /// What findExchange found where air slips along hair: after diffuse(), which exchanges nothing then.
+  /// Applies the result of findExchange() for air that slips along hair. After diffuse() without exchange.
   void exchangeSlipping();
+  /// Boundary conditions and right-hand sides of the pressure solve; project() and projectAhead() call it.
   void closeFaces();
-  /// Until no cell has more divergence than is promised. Waits.
+  /// Projection, with iterations until the residual reaches the tolerance (kResidual, kStill), at most
+  /// kMostIterations. Waits for the GPU.
   PressureReport project();
-  /// The same with as many iterations as it may take, going by steps before; no waiting. The first call makes
-  /// room.
+  /// Projection with a fixed number of iterations, one more than the step before last took. Waits at most for
+  /// that step.
   void projectAhead(PassTimer& timer);
 
-  /// How the newest one went; its residual over the fastest component of velocity. Waits.
+  /// Report of the newest projection; its residual is relative to the largest velocity component. Waits for
+  /// the GPU.
   PressureReport newestPressure() const;
 
+  /// Cell-centre velocities, 4 floats per cell, xyz in m/s.
   const gl::Buffer& centres() const { return centres_; }
-  /// Whole arrays, downloaded: velocities of faces (component after component), pressures, and solid or not.
+  /// Downloaded arrays, in the order of shaders/air_settings.glsl.
   struct Image {
-    std::vector<float> faces, pressures;
-    std::vector<std::array<float, 4>> centres;
-    std::vector<uint32_t> masks;  ///< shaders/pressure_solve.glsl
+    std::vector<float> faces, pressures;        ///< m/s, both
+    std::vector<std::array<float, 4>> centres;  ///< m/s
+    std::vector<uint32_t> masks;                ///< per cell, see shaders/pressure_solve.glsl
   };
+  /// Waits for the GPU.
   Image download() const;
+  /// Index in Image::faces.
   int faceAt(int axis, int i, int j, int k) const {
     const int side = cells_ + 1;
     return i + side * (j + side * (k + side * axis));
@@ -87,7 +99,7 @@ class WindPasses {
 
  private:
   static constexpr int kSlots = 3;
-  /// How the pressures of steps before went, on its way to the CPU.
+  /// Asynchronous download of the pressure solves' states.
   struct Reports {
     Reports();
     std::array<gl::Buffer, kSlots> buffers;
@@ -117,12 +129,12 @@ class WindPasses {
   std::array<gl::Buffer, 2> pressures_;
   gl::Buffer centres_, displacements_, onwards_, solids_, exchange_, slip_;
   gl::Buffer turbulence_, sources_, bodies_, body_settings_;
-  std::vector<WindSource> on_grid_;  // sources
-  bool packed_ = true;               // they are in sources_, as they lie in the box
-  bool spheres_ = false;             // some of them are, and what they let out has a place to go
-  size_t bodies_room_ = 0;
-  bool bends_ = false;              // some of them
-  std::vector<PlacedBody> placed_;  // for bodies_; kept for its memory
+  std::vector<WindSource> on_grid_;  // sources, as onGrid() adapts them
+  bool packed_ = true;               // sources_ is up to date with on_grid_ and the box
+  bool spheres_ = false;             // some sources are spheres, and the border is open
+  size_t bodies_room_ = 0;           // capacity of bodies_
+  bool bends_ = false;               // some bodies are fields that bend
+  std::vector<PlacedBody> placed_;   // staging copy of bodies_; kept for its memory
   PressurePasses pressure_;
   Reports reports_;
   LazyProgram carry_, centres_of_, displace_, displace_both_, advect_, correct_, solids_of_, bent_solids_of_,

@@ -5,21 +5,21 @@
 
 #include "core/strand_block.h"
 #include "core/strand_model.h"
-#include "groom/strand_edit.h"
+#include "io/strand_edit.h"
 
 namespace strandcast {
 namespace {
 
-/// A strand's runs of vertices too near each other, each of which becomes one vertex.
+/// Partition of a strand into runs of vertices that lie too near each other. Each run becomes one vertex.
 struct Runs {
-  std::vector<uint32_t> first;  ///< vertex that the run starts with
-  std::vector<uint32_t> kept;   ///< vertex of the run that stays: its first, but of the last run the tip
+  std::vector<uint32_t> first;  ///< first vertex of each run
+  std::vector<uint32_t> kept;   ///< vertex of the run that stays: its first one; in the last run the tip
 };
 
 void findRuns(std::span<const Vec3> points, Runs& runs) {
   const float length = arcLength(points);
   size_t before, now = points.size();
-  do {  // what is left has longer edges
+  do {  // removing vertices lengthens the mean edge and so raises the threshold
     before = now;
     const float nearest = kShortestEdge * length / (static_cast<float>(before) - 1);
     auto apart = [&](size_t a, size_t b) { return (points[a] - points[b]).norm() > nearest; };
@@ -34,7 +34,7 @@ void findRuns(std::span<const Vec3> points, Runs& runs) {
   if (runs.kept.size() > 1) runs.kept.back() = static_cast<uint32_t>(points.size() - 1);
 }
 
-/// A vertex that is merged away leaves its pin to the one that stays.
+/// Moves the pin of a vertex that is merged away to the vertex that stays.
 void handOverPins(StrandSet& strands, size_t s, const Runs& runs) {
   if (strands.pinned.empty()) return;
   uint8_t* pinned = strands.pinned.data() + strands.offsets[s];
@@ -45,7 +45,7 @@ void handOverPins(StrandSet& strands, size_t s, const Runs& runs) {
   }
 }
 
-/// One pass of merging and dropping; `median` sets the scale.
+/// One pass of merging and dropping. `median`: median length that sets the scale.
 void mergeAndDrop(Groom& groom, float median) {
   StrandSet cleaned;
   Runs runs;
@@ -71,8 +71,8 @@ size_t countBothEndsPinned(const StrandSet& strands) {
   return count;
 }
 
-/// Turns strand `s` round in place. Its pins go with its vertices, but the end that was the root stays pinned
-/// only if the other end was too: then the file pins both ends, else it pins whatever comes first.
+/// Reverses strand `s` in place, pins included. The former root stays pinned only if the other end was pinned
+/// as well: then the file pins both ends, else it pins whatever vertex comes first.
 void reverseStrand(StrandSet& strands, size_t s) {
   const std::span<Vec3> points = strands.strand(s);
   std::reverse(points.begin(), points.end());
@@ -107,7 +107,7 @@ void cleanStrands(Groom& groom) {
     }
     groom.strands = std::move(capped);
     groom.report.resampled += too_many;
-    // A strand that runs back along itself may have got two vertices into one place.
+    // A strand that runs back along itself may have got two coincident vertices.
     mergeAndDrop(groom, median);
   }
   groom.report.both_ends_pinned = countBothEndsPinned(groom.strands);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "groom/strand_edit.h"
+#include "io/strand_edit.h"
 
 namespace strandcast {
 
@@ -16,7 +16,7 @@ std::vector<std::string> GroomReport::lines() const {
   };
   add(dropped_short, "strands dropped: too short to simulate");
   add(duplicate_vertices, "vertices merged into their neighbours, which were too near");
-  add(reversed, "strands turned round: their tip was at the scalp");
+  add(reversed, "strands reversed: their tip was at the scalp");
   add(both_ends_pinned, "strands are pinned at both ends");
   add(resampled, "strands resampled");
   if (!left_out.empty()) out.push_back(fmt::format("read without {}", fmt::join(left_out, ", ")));

@@ -7,12 +7,12 @@
 
 #include "core/error.h"
 #include "groom/clean.h"
-#include "groom/strand_edit.h"
+#include "io/strand_edit.h"
 
 namespace strandcast {
 namespace {
 
-/// The roots sorted into the cells of a uniform grid, about as many cells as roots.
+/// Roots sorted into the cells of a uniform grid, with about as many cells as roots.
 class RootGrid {
  public:
   explicit RootGrid(const StrandSet& strands) {
@@ -24,7 +24,8 @@ class RootGrid {
     }
     const Eigen::Vector3f extent = bounds.sizes();
     const float longest = std::max(extent.maxCoeff(), std::numeric_limits<float>::min());
-    // A flat scalp has no third extent: a floor of a hundredth keeps the cells from shrinking to nothing.
+    // A flat scalp has no third extent. A floor of a hundredth of the longest extent keeps the cells from
+    // vanishing.
     const Eigen::Vector3f padded = extent.cwiseMax(0.01f * longest);
     cell_ = std::max(longest * std::cbrt(padded.x() / longest * (padded.y() / longest) *
                                          (padded.z() / longest) / static_cast<float>(roots_.size())),
@@ -37,7 +38,7 @@ class RootGrid {
   const Vec3& root(uint32_t s) const { return roots_[s]; }
   size_t size() const { return roots_.size(); }
 
-  /// Calls visit(strand) for every root that may be nearer than `radius` to `center`.
+  /// Calls visit(strand) for each root that may be nearer than `radius` to `center`.
   template <class Visit>
   void visitNear(const Vec3& center, float radius, Visit visit) const {
     int low[3], high[3];
@@ -79,7 +80,7 @@ class RootGrid {
   int size_[3] = {1, 1, 1};
 };
 
-/// The strand whose root is farthest from the roots' centre; the lowest index of equals.
+/// The strand whose root is farthest from the centre of all roots; of equals, the lowest index.
 uint32_t outermostRoot(const RootGrid& grid) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (uint32_t s = 0; s < grid.size(); ++s) center += grid.root(s).cast<double>();
@@ -98,8 +99,7 @@ uint32_t outermostRoot(const RootGrid& grid) {
 }  // namespace
 
 // Farthest point sampling (Gonzalez 1985). A new guide changes the distance only of roots nearer to it than
-// the largest distance left, so looking into the grid cells that near replaces going through all roots for
-// every guide.
+// the largest remaining distance. So each guide visits only the grid cells in that radius, not all roots.
 std::vector<uint32_t> chooseGuides(const StrandSet& strands, size_t count) {
   std::vector<uint32_t> chosen;
   if (count == 0 || strands.strands() == 0) return chosen;
@@ -111,8 +111,8 @@ std::vector<uint32_t> chooseGuides(const StrandSet& strands, size_t count) {
   constexpr float kChosen = -1;
   std::vector<float> distance(grid.size(), std::numeric_limits<float>::max());
 
-  // Distances only shrink, so an entry of the queue is an upper bound: the first one that still holds is the
-  // largest.
+  // Distances only shrink, so an entry of the queue is an upper bound. The first entry that is still current
+  // is the largest distance.
   struct Candidate {
     float distance;
     uint32_t strand;
@@ -150,7 +150,7 @@ StrandSet subset(const StrandSet& strands, const std::vector<uint32_t>& chosen) 
   StrandSet result;
   for (const uint32_t s : chosen) {
     if (s >= strands.strands())
-      throw Error(fmt::format("there is no strand {}", s),
+      throw Error(fmt::format("unknown strand {}", s),
                   fmt::format("a groom of {} strands", strands.strands()), "choose strands of this groom");
     appendStrand(result, strands, s);
   }

@@ -1,29 +1,22 @@
+#include "groom/load_groom.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <limits>
 #include <set>
 
 #include "core/error.h"
-#include "groom/axes_and_units.h"
 #include "groom/clean.h"
-#include "groom/file_bytes.h"
-#include "groom/groom_encode.h"
-#include "groom/groom_file.h"
+#include "io/axes_and_units.h"
 
 namespace strandcast {
 namespace {
 
-template <class T>
-bool startsWith(std::span<const std::byte> bytes, const T& start) {
-  return bytes.size() >= sizeof(T) && std::memcmp(bytes.data(), &start, sizeof(T)) == 0;
-}
-
-/// TressFX pins vertices 0 and 1 to hold a strand's direction at the root. Here the root's frame is clamped,
-/// which holds the first edge's rest direction already, so vertex 1 is freed to bend with the physics of the
-/// hair. Pins elsewhere (tips) stay, and so does a longer run of pinned vertices from the root on.
+/// Frees vertex 1 where only vertices 0 and 1 are pinned. TressFX pins both to hold the strand's direction at
+/// the root. Here the root's frame is clamped, which holds the rest direction of the first edge, so vertex 1
+/// may bend with the hair. Pins elsewhere (tips) stay, and so does a longer run of pinned vertices from the
+/// root on.
 void freeSecondVertices(StrandSet& strands) {
   if (strands.pinned.empty()) return;
   for (size_t s = 0; s < strands.strands(); ++s) {
@@ -32,8 +25,8 @@ void freeSecondVertices(StrandSet& strands) {
   }
 }
 
-/// Puts the strands of several files into one set. What only some files have would be undefined for the rest:
-/// pins default to the root, radii and UVs are left out with a warning.
+/// Merges the strands of several files into one set. Attributes that only some files have would be undefined
+/// for the rest: pins default to the root, radii and UVs are left out with a warning.
 class GroomMerger {
  public:
   GroomMerger(Groom& groom, bool several) : groom_(groom), several_(several) {}
@@ -90,22 +83,22 @@ class GroomMerger {
   }
 
   Groom& groom_;
-  bool several_;  // files
+  bool several_;  // there is more than one file
   bool any_pins_ = false;
 };
 
-/// Strands of a further file in the unit of the first, `said` (0 where that does not say it).
+/// Converts the strands of a further file to the unit of the first, `said` (0 if the first states none).
 void toUnit(RawGroom& raw, float said, const std::string& name) {
   if (raw.unit_meters == said) return;
   if (raw.unit_meters == 0 || said == 0)
-    throw Error("some of the files say their unit and others do not", name,
-                "give one for all of them (--unit-meters)");
+    throw Error("only some of the files give their unit", name,
+                "give one unit for all files (--unit-meters)");
   const float scale = raw.unit_meters / said;
   for (Vec3& point : raw.strands.positions) point *= scale;
   for (float& radius : raw.strands.radii) radius *= scale;
 }
 
-// `said`: metres per unit, by the files; 0 where they do not say it.
+// `said`: metres per unit as the files state it; 0 if they state none.
 void convertUnits(Groom& groom, const GroomReadOptions& options, float said, const std::string& name) {
   float unit = options.unit_meters > 0 ? options.unit_meters : said;
   if (unit == 0) {
@@ -115,10 +108,10 @@ void convertUnits(Groom& groom, const GroomReadOptions& options, float said, con
     groom.report.is_unit_guessed = true;
     const float size = bounds.sizes().maxCoeff();
     const std::string likelier = likelierUnits(size, unit);
-    groom.report.warnings.push_back(fmt::format(
-        "{}: the unit is guessed: {} m, which makes the groom {:.3g} m large ({:.4g} units{}); give "
-        "--unit-meters to be sure",
-        name, unit, size * unit, size, likelier.empty() ? "" : "; " + likelier));
+    groom.report.warnings.push_back(
+        fmt::format("{}: the unit is guessed: {} m, which makes the groom {:.3g} m large ({:.4g} units{}); "
+                    "give --unit-meters to be sure",
+                    name, unit, size * unit, size, likelier.empty() ? "" : "; " + likelier));
   }
   groom.report.unit_meters = unit;
   scaleToMeters(groom.strands.positions, unit, name);
@@ -129,7 +122,7 @@ void convertUnits(Groom& groom, const GroomReadOptions& options, float said, con
   }
 }
 
-/// The median of the edges of a sample of the strands, m.
+/// Median edge length of a sample of the strands, m.
 float medianEdge(const StrandSet& strands) {
   constexpr size_t kSample = 1000;
   std::vector<float> edges;
@@ -143,9 +136,9 @@ float medianEdge(const StrandSet& strands) {
   return *middle;
 }
 
-/// Of a size or a place that no hair has, which a wrong unit gives.
+/// Warns of a size or position that no hair has: a sign of a wrong unit.
 void warnOfUnit(Groom& groom, const std::string& name) {
-  constexpr float kMostRounding = 0.05f;  // of an edge
+  constexpr float kMostRounding = 0.05f;  // float rounding of positions, as a share of an edge
   Box bounds;
   for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
   const float size = bounds.sizes().maxCoeff();
@@ -166,55 +159,6 @@ void warnOfUnit(Groom& groom, const std::string& name) {
 }
 
 }  // namespace
-
-RawGroom readRawGroom(const std::filesystem::path& file) {
-  const std::vector<std::byte> bytes = readFileBytes(file);
-  const std::string name = file.string();
-  const std::string extension = lowerExtension(file);
-  // What the file says it is counts for more than what it is called.
-  if (startsWith(bytes, std::array<char, 4>{'H', 'A', 'I', 'R'})) return readHair(bytes, name);
-  if (startsWith(bytes, 3.0f) || startsWith(bytes, 4.0f)) return readTfx(bytes, name);
-  if (extension == ".tfx") return readTfx(bytes, name);
-  if (extension == ".hair") return readHair(bytes, name);
-  if (extension == ".obj") return readObjStrands(bytes, name);
-  const bool usd = startsWith(bytes, std::array<char, 5>{'#', 'u', 's', 'd', 'a'});
-  if (usd || extension == ".usda" || extension == ".usd" || extension == ".usdc" || extension == ".usdz")
-    return readUsda(bytes, name);
-  throw Error("this is no known groom format", name + ", byte 0", "use .tfx, .hair, .obj or .usda");
-}
-
-std::string defaultUnitWarning(const RawGroom& raw) {
-  if (!raw.unit_is_default) return {};
-  return fmt::format(
-      "metersPerUnit is not given: by the USD specification a unit is {:g} m then; give --unit-meters if it "
-      "is "
-      "another",
-      raw.unit_meters);
-}
-
-void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up, float unit_meters) {
-  const std::string extension = lowerExtension(file);
-  StrandSet turned = strands;
-  turnYUp(turned.positions, up);
-  if (extension == ".tfx") return writeFileBytes(file, encodeTfx(turned, file.string()));
-  if (extension == ".usda") return writeFileBytes(file, encodeUsda(turned, unit_meters, file.string()));
-  turnZUp(turned.positions);
-  if (extension == ".hair") return writeFileBytes(file, encodeHair(turned, file.string()));
-  throw Error("grooms cannot be written in this format", file.string(), "use .tfx, .hair or .usda");
-}
-
-std::vector<std::string> leftOutOf(const std::filesystem::path& file, const StrandSet& strands) {
-  const std::string extension = lowerExtension(file);
-  if (extension == ".tfx")
-    return strands.radii.empty() ? std::vector<std::string>() : std::vector<std::string>{"radii"};
-  std::vector<std::string> out;
-  bool pins = false;
-  for (size_t s = 0; s < strands.strands(); ++s)
-    for (size_t i = 2; i < strands.verticesOf(s); ++i) pins = pins || strands.isPinned(s, i);
-  if (pins) out.emplace_back("pins");
-  if (!strands.uvs.empty() && extension != ".usda") out.emplace_back("UVs");
-  return out;
-}
 
 Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options) {
   checkUnit(options.unit_meters);
@@ -251,7 +195,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
     const std::filesystem::path place = std::filesystem::weakly_canonical(files[f], unknown);
     if (!unknown && !places.insert(place).second)
       groom.report.warnings.push_back(
-          fmt::format("{} is given more than once: its strands are there as often", files[f].string()));
+          fmt::format("{} is given more than once: its strands are duplicated", files[f].string()));
     if (f > 0) groom.name += '+';
     groom.name += files[f].stem().string();
   }

@@ -18,10 +18,10 @@
 namespace strandcast {
 namespace {
 
-// The sculpture is written in millimetres and mirrored: x is the distance from the middle plane.
+// The shapes are in millimetres and mirrored: x is the distance from the median plane.
 constexpr float kMetre = 1000.0f;
 
-// Smooth union and subtraction with a blend `k` millimetres wide (quadratic polynomial; exact beyond the
+// Smooth union and subtraction with a blend `k` millimetres wide (quadratic polynomial; exact outside the
 // blend).
 float blend(float a, float b, float k) {
   const float h = std::max(k - std::fabs(a - b), 0.0f) / k;
@@ -78,11 +78,11 @@ float eyes(const Vec3& p, float d) {
   d = carve(d, ellipsoid(p, {31, -13, 91}, {17, 10.5f, 15}), 13);  // socket
   const Vec3 centre(31, -15, 67);
   d = blend(d, sphere(p, centre, 14.5f), 4.5f);  // eyeball under closed lids
-  // Where the lids meet: an arc over the eyeball, lower at the middle.
+  // Seam of the lids: an arc over the eyeball, lower in the middle.
   const float sag = 0.012f * (p.x() - 31) * (p.x() - 31);
   const Vec3 q(p.x(), p.y() - sag + 21.5f, p.z());
   const float seam = std::hypot(q.y(), std::max(std::fabs(sphere(p, centre, 14.5f)), 0.0f)) - 1.7f;
-  const float ends = 0.022f * (p.x() - 31) * (p.x() - 31);  // the seam runs out towards the corners
+  const float ends = 0.022f * (p.x() - 31) * (p.x() - 31);  // the seam fades out towards the corners
   return carve(d, std::max(seam + ends, 70 - p.z()), 4);
 }
 
@@ -105,7 +105,7 @@ float mouth(const Vec3& p, float d) {
   const float bow = 1.2f * std::exp(-q.x() * q.x() / 12);  // the dip of Cupid's bow
   d = blend(d, ellipsoid(Vec3(q.x(), q.y() + bow, q.z()), {0, -78.5f, 90}, {24, 6.5f, 8}), 4);
   d = blend(d, ellipsoid(q, {0, -89, 89}, {21, 7, 8.5f}), 4.5f);
-  d = carve(d, ellipsoid(q, {0, -83.6f, 99}, {24, 1.6f, 5.5f}), 3);  // where the lips meet
+  d = carve(d, ellipsoid(q, {0, -83.6f, 99}, {24, 1.6f, 5.5f}), 3);  // seam of the lips
   return d;
 }
 
@@ -153,7 +153,7 @@ float torso(const Vec3& p) {
 // The base of the bust: a shallow bowl that rises towards the arms.
 float base(const Vec3& p) { return ellipsoid(p, {0, -190, -40}, {222, 245, 180}); }
 
-// Mirrors at the middle plane, rounded off over `width` so that paired shapes meet without a crease.
+// Mirrors at the median plane, rounded over `width` so that paired shapes meet without a crease.
 Vec3 mirrored(const Vec3& p, float width) { return {std::hypot(p.x(), width), p.y(), p.z()}; }
 
 float sculpture(const Vec3& world) {
@@ -172,14 +172,14 @@ float sculpture(const Vec3& world) {
   return carve(d, sphere(q, {0, -222, 24}, 9), 14);  // the notch between the collar bones
 }
 
-// ---- Polygonisation: dual marching cubes (Nielson 2004). A cell crossed by several sheets gets a vertex for
-// each, so every edge of the result has two triangles.
+// ---- Polygonisation: dual marching cubes (Nielson 2004). A cell crossed by several sheets gets one vertex
+// per sheet, so each edge of the result has two triangles.
 
 // Corner c of a cell is at (c & 1, c >> 1 & 1, c >> 2). Edge e = 4 * axis + i joins corners kEdges[e].
 constexpr std::array<std::array<int, 2>, 12> kEdges{
     {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
-// Which sheet each crossed edge of a cell belongs to, for one pattern of inside corners.
+// Sheet of each crossed edge of a cell, for one pattern of inside corners.
 struct CellSheets {
   std::array<int8_t, 12> sheet;  // -1 where the edge is not crossed
   int count = 0;
@@ -203,7 +203,7 @@ CellSheets makeSheets(int inside) {
     const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3;
     for (int side : {0, 1 << axis}) {
       const std::array<int, 4> ring{side, side + u, side + u + v, side + v};
-      int before = -1;  // a face has two crossed edges or none: settleFaces() leaves no others
+      int before = -1;  // a face has two crossed edges or none: settleFaces() removes the ambiguous case
       for (int i = 0; i < 4; ++i) {
         if (in(ring[i]) == in(ring[(i + 1) % 4])) continue;
         const int edge = edgeBetween(ring[i], ring[(i + 1) % 4]);
@@ -222,7 +222,7 @@ CellSheets makeSheets(int inside) {
   return sheets;
 }
 
-/// work(i) for i in 0 .. count - 1, in any order, on all processors at the same time.
+/// Calls work(i) for i in 0 .. count - 1, in any order, on all processors in parallel.
 template <class Work>
 void forEachAtOnce(int count, const Work& work) {
   std::atomic<int> next{0};
@@ -264,8 +264,9 @@ class Polygoniser {
   size_t at(const Index& i) const { return (static_cast<size_t>(i[2]) * n_[1] + i[1]) * n_[0] + i[0]; }
   Vec3 place(const Index& i) const { return kLow + cell_ * Vec3(float(i[0]), float(i[1]), float(i[2])); }
 
-  // Values at the corners of a block: its centre's sign where the surface is far, else by halves, else one by
-  // one.
+  // Fills the values at the corners of a block. Far from the surface they all get the value at the block's
+  // centre, for its sign. Near the surface the block is divided by eight. The smallest blocks are evaluated
+  // corner by corner.
   void fill(const Index& low, int size) {
     Index high;
     for (int c = 0; c < 3; ++c) high[c] = std::min(low[c] + size, n_[c]);
@@ -295,8 +296,9 @@ class Polygoniser {
     return {i[0] + (c & 1), i[1] + (c >> 1 & 1), i[2] + (c >> 2)};
   }
 
-  // A face whose corners are inside and outside crosswise can be joined in two ways, and edges of four
-  // triangles may follow. The outside corner nearest to the surface becomes an inside one instead.
+  // Resolves ambiguous faces. A face whose diagonal corners have equal signs can be joined in two ways, and
+  // an edge with four triangles may result. The outside corner nearest to the surface becomes an inside
+  // corner.
   void settleFaces() {
     for (bool changed = true; changed;) {
       changed = false;
@@ -312,7 +314,7 @@ class Polygoniser {
     const std::array<size_t, 4> ring{at(i), at(corner(i, u)), at(corner(i, u + v)), at(corner(i, v))};
     const auto in = [&](int k) { return values_[ring[k]] < 0; };
     if (in(0) == in(1) || in(0) != in(2) || in(1) != in(3)) return false;
-    // Only ever filling, it comes to an end.
+    // Corners only ever change to inside, so the loop terminates.
     const int first = in(0) ? 1 : 0;
     const size_t chosen = values_[ring[first]] <= values_[ring[first + 2]] ? ring[first] : ring[first + 2];
     values_[chosen] = -1e-3f;
@@ -342,7 +344,7 @@ class Polygoniser {
     });
   }
 
-  // The mean of the crossings, then Newton steps to the surface.
+  // Places a vertex at the mean of the edge crossings, then moves it to the surface by Newton steps.
   void placeVertex(const Index& cell, const CellSheets& sheets, int sheet, size_t vertex) {
     Vec3 p = Vec3::Zero();
     float crossings = 0;
@@ -358,7 +360,7 @@ class Polygoniser {
     for (int step = 0; step < 4; ++step) {
       const float d = sculpture(p);
       if (std::fabs(d) < 0.01f) break;
-      if (step > 1) gradient = slope(p);  // strongly curved: the first slope no longer leads there
+      if (step > 1) gradient = slope(p);  // strongly curved: the first gradient is out of date
       const float steepness = std::max(gradient.norm(), 0.2f);
       p -= gradient * (std::clamp(d / steepness, -0.4f * cell_, 0.4f * cell_) / steepness);
     }
@@ -367,7 +369,7 @@ class Polygoniser {
     mesh_.normals[vertex] = gradient.norm() > 1e-6f ? Vec3(gradient.normalized()) : Vec3(0, 1, 0);
   }
   static Vec3 slope(const Vec3& p) {
-    constexpr float h = 0.4f;  // mm; the corners of a tetrahedron: four evaluations
+    constexpr float h = 0.4f;  // mm; gradient from the four corners of a tetrahedron
     Vec3 gradient = Vec3::Zero();
     for (const Vec3& c : {Vec3(1, -1, -1), Vec3(-1, -1, 1), Vec3(-1, 1, -1), Vec3(1, 1, 1)})
       gradient += c * sculpture(p + h * c);
@@ -378,7 +380,7 @@ class Polygoniser {
     return first_vertex_.at(at(cell)) + static_cast<uint32_t>(sheets_[insideMask(cell)].sheet[edge]);
   }
 
-  // A crossed grid edge has four cells around it: two triangles.
+  // A crossed grid edge is surrounded by four cells: two triangles.
   void joinFaces() {
     Index i;
     for (i[2] = 1; i[2] + 1 < n_[2]; ++i[2])
@@ -410,8 +412,8 @@ class Polygoniser {
     mesh_.triangles.push_back({quad[s], quad[s + 2], quad[(s + 3) % 4]});
   }
 
-  // The field's slope may exceed 1 where first-order ellipsoid distances blend; blocks are skipped with this
-  // to spare.
+  // Margin for skipping blocks: the gradient of the field may exceed 1 where first-order ellipsoid distances
+  // blend.
   static constexpr float kSafety = 1.5f;
 
   float cell_;  // mm
@@ -427,7 +429,7 @@ class Polygoniser {
 float bodyDistance(const Vec3& point) { return sculpture(point * kMetre) / kMetre; }
 
 Vec3 bodyNormal(const Vec3& point) {
-  // Central differences over the corners of a tetrahedron: four evaluations.
+  // Gradient from the four corners of a tetrahedron.
   const Vec3 p = point * kMetre;
   constexpr float h = 0.4f;
   Vec3 gradient = Vec3::Zero();
@@ -439,7 +441,7 @@ Vec3 bodyNormal(const Vec3& point) {
 
 float scalpDensity(const Vec3& point) {
   const Vec3 p(std::fabs(point.x()) * kMetre, point.y() * kMetre, point.z() * kMetre);
-  // Height of the hairline by the angle about the vertical, from the forehead (0) to the nape (180 degrees).
+  // Height of the hairline by azimuth, from the forehead (0) to the nape (180 degrees).
   struct Knot {
     float degrees, height;
   };
@@ -467,15 +469,15 @@ float scalpDensity(const Vec3& point) {
 }
 
 float bodyHeadWeight(const Vec3& point) {
-  // Along a plane that tilts from the chin to the nape.
+  // The transition follows a plane tilted from the chin to the nape.
   const Vec3 p = point * kMetre;
   return smoothStep((p.y() + 0.55f * p.z() + 205.0f) / 95.0f);
 }
 
 namespace {
 
-// Capsules fitted by annealing: inside the skin by 0.2 mm or more, together near all of it. Millimetres.
-// Those off the middle plane stand for themselves and their mirror image.
+// Capsules fitted by simulated annealing, in millimetres: 0.2 mm or more inside the skin, and together close
+// to all of it. Each capsule off the median plane stands for itself and its mirror image.
 struct Capsule {
   float a[3], b[3], radius;
 };

@@ -13,14 +13,15 @@ namespace strandcast {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kClearance =
-    0.0004f;  // m, every place of a strand but its root stays at least this far off the skin
+/// m, least distance from the skin of all points of a strand except its root.
+constexpr float kClearance = 0.0004f;
 constexpr float kPart = 0.012f;  // m, x of the parting
-constexpr float kWinding = 12;  // a strand that winds more than this between two vertices is led straight out
+/// Edge lengths of winding strand after which an edge is led straight outward.
+constexpr float kWinding = 12;
 const Vec3 kTie(0, 0.022f, -0.122f);  // m, centre of the ponytail's tie
 const Vec3 kTieAxis = Vec3(0, 0.25f, -1).normalized();
 
-// Numbers in [0, 1) that depend on a seed and a stream only.
+// Pseudo-random numbers in [0, 1) determined by a seed and a stream.
 class Random {
  public:
   Random(uint64_t seed, uint64_t stream) : state_(splitMix64(seed) ^ splitMix64(~stream)) {}
@@ -38,7 +39,7 @@ Vec3 unit(const Vec3& v) {
 }
 Vec3 along(const Vec3& v, const Vec3& normal) { return v - normal * v.dot(normal); }
 
-// What hair lies on: the skin, and a smooth shell over each ear, whose folds are too fine to comb over.
+// Obstacles of the hair: the skin, and a smooth shell over each ear, whose folds are too fine to comb over.
 const Vec3 kEar(0.0755f, -0.023f, -0.011f), kEarRadii(0.0135f, 0.034f, 0.021f);
 float earDistance(const Vec3& p) {
   const Vec3 q = (Vec3(std::fabs(p.x()), p.y(), p.z()) - kEar).cwiseQuotient(kEarRadii);
@@ -57,8 +58,8 @@ struct Root {
   Vec3 normal;
 };
 
-// Places on the scalp, evenly spread: a golden-ratio (R2) sequence on the sphere, turned by the seed,
-// stretched to the cranium, brought to the skin along its normals, and thinned by the density of hair.
+// Evenly spread points of the scalp: a golden-ratio (R2) sequence on the sphere, shifted by the seed,
+// stretched to the cranium, projected to the skin along its normals, and thinned by the density of hair.
 class Scalp {
  public:
   explicit Scalp(uint64_t seed)
@@ -99,18 +100,18 @@ class Scalp {
   uint64_t index_ = 0;
 };
 
-// What makes one strand differ from its neighbours.
+// Parameters that vary from strand to strand.
 struct Character {
-  float lift = 0;        // m, how far off the scalp its centre line is combed
+  float lift = 0;        // m, distance of the combed centre line from the scalp
   float length = 0;      // m, along the strand
   float amplitude = 0;   // m, of waves or curls
   float wavelength = 1;  // m, along the centre line
   float phase = 0;       // rad
   float flatness = 1;    // 1 = helix, less = wave in one plane
-  float ramp = 0.03f;    // m, over which waves and curls begin
+  float ramp = 0.03f;    // m, length over which waves and curls begin
 };
 
-// Strands whose roots lie in the same cell of space form a lock: they share the phase of their waves.
+// Strands with roots in the same grid cell form a lock: they share the phase of their waves.
 Random lockRandom(const Vec3& root, float cell, uint64_t seed) {
   uint64_t key = 7;
   for (int c = 0; c < 3; ++c)
@@ -120,7 +121,7 @@ Random lockRandom(const Vec3& root, float cell, uint64_t seed) {
 
 Character characterOf(const Root& root, const ProceduralGroomOptions& options, Random& random) {
   Character c;
-  const float high = smooth(-0.05f, 0.1f, root.position.y());  // hair from above lies over hair from below
+  const float high = smooth(-0.05f, 0.1f, root.position.y());  // upper hair lies over lower hair
   c.lift = 0.0015f + 0.007f * high * random.between(0.3f, 1) + 0.003f * random.uniform();
   c.length = options.length * random.between(0.9f, 1);
   c.wavelength = 0.05f;
@@ -145,7 +146,7 @@ Character characterOf(const Root& root, const ProceduralGroomOptions& options, R
   return c;
 }
 
-// Follows one strand from its root and drops vertices at equal chords.
+// Traces one strand from its root and places vertices at equal chords.
 class Grower {
  public:
   Grower(const Root& root, const Character& character, const ProceduralGroomOptions& options, Random& random)
@@ -165,7 +166,7 @@ class Grower {
     across_ = unit(direction_.cross(normal_));
   }
 
-  // Vertices of chord `edge` until there are `count`.
+  // Adds vertices at distance `edge` from each other until there are `count`.
   void grow(int count, float edge, std::vector<Vec3>& out) {
     out.assign(1, root_.position);
     const float step = std::clamp(edge / 4, 0.0002f, 0.0022f);
@@ -184,7 +185,7 @@ class Grower {
     }
   }
 
-  // Length of the centre line from the root to the tie.
+  // Arc length of the centre line from the root to the tie.
   float pathToTie() {
     float path = 0;
     while (!tied_ && path < 0.6f) {
@@ -195,7 +196,7 @@ class Grower {
   }
 
  private:
-  // Where the segment from a to b leaves the sphere of radius `edge` about `centre`.
+  // Point where the segment from a to b leaves the sphere of radius `edge` about `centre`.
   static Vec3 crossing(const Vec3& centre, float edge, const Vec3& a, const Vec3& b) {
     const Eigen::Vector3d d = (b - a).cast<double>(), f = (a - centre).cast<double>();
     const double aa = d.squaredNorm(), half = f.dot(d),
@@ -205,21 +206,21 @@ class Grower {
     return (a.cast<double>() + t * d).cast<float>();
   }
 
-  // Where the hair wants to go from here, not yet minding the skin.
+  // Combing direction at the current point, before the skin is taken into account.
   Vec3 comb() const {
     const Vec3& p = centre_;
     if (ponytail_) {
       if (!tied_) return unit(slot_ - p);
       return unit(Vec3(0, -1, 0) + spread_);
     }
-    // Off the parting sideways and back, more so at the front, then down.
+    // Away from the parting sideways and back, more so at the front, then down.
     const float top = smooth(-0.01f, 0.085f, p.y());
-    const float parted =
-        smooth(-0.085f, 0.01f, p.z());  // the parting ends at the crown; behind it hair falls back
+    // The parting ends at the crown; behind it hair falls back.
+    const float parted = smooth(-0.085f, 0.01f, p.z());
     const float front = smooth(0.0f, 0.07f, p.z());
     Vec3 way = Vec3(0, -1, 0) +
                top * Vec3((0.15f + 0.95f * parted) * side_, 0, -0.25f - 0.9f * front - 0.5f * (1 - parted));
-    // Keep clear of the face: what would hang before it goes outward and back instead.
+    // Keeps the face clear: hair that would hang before it goes outward and back.
     const float face = smooth(0.035f, 0.065f, p.z()) * smooth(0.075f, 0.03f, p.y()) *
                        smooth(0.095f, 0.07f, std::fabs(p.x()));
     way += face * Vec3(1.2f * side_, 0, -1.5f);
@@ -227,13 +228,13 @@ class Grower {
   }
 
   void observeSkin(float step) {
-    distance_ -= step;  // a bound while far away
+    distance_ -= step;  // a lower bound while far away
     if (distance_ > 0.03f) return;
     distance_ = obstacleDistance(centre_);
     if (distance_ < 0.03f) normal_ = obstacleNormal(centre_);
   }
 
-  // Moves the centre line on by `step` and returns the strand's place there.
+  // Advances the centre line by `step` and returns the strand's point there.
   Vec3 advance(float step) {
     travelled_ += step;
     Vec3 want = comb();
@@ -286,7 +287,7 @@ class Grower {
   Vec3 centre_, direction_, normal_, across_;
   Vec3 slot_, spread_;
   float side_ = 1;
-  float distance_ = 0;  // m, of the centre line to the skin; a lower bound while it is far away
+  float distance_ = 0;  // m, from the centre line to the skin; a lower bound while far away
   float travelled_ = 0;
 };
 
@@ -302,7 +303,7 @@ void check(const ProceduralGroomOptions& options) {
     refuse("length", std::to_string(options.length) + " m", "0.01 to 2 m");
 }
 
-// Azimuthal equidistant from above: the crown at (0.5, 0.5), the front at small v.
+// Azimuthal equidistant projection from above: the crown at (0.5, 0.5), the front at small v.
 Vec2 scalpUv(const Vec3& p) {
   const Vec3 d = unit(p - Vec3(0, 0, -0.01f));
   const float polar = std::acos(std::clamp(d.y(), -1.0f, 1.0f)) / kPi;
@@ -335,7 +336,7 @@ Groom makeProceduralGroom(const ProceduralGroomOptions& options,
     groom.strands.uvs.push_back(scalpUv(root.position));
     groom.strands.pinned.push_back(1);
     for (size_t i = 1; i < points.size(); ++i) {
-      // What the tie holds: the vertex nearest to it, and the one after, which leads the tail out.
+      // The tie pins the vertex nearest to it, and the next one, which leads the tail outward.
       const float past = edge * static_cast<float>(i) - to_tie;
       groom.strands.pinned.push_back(ponytail && past > -0.5f * edge && past <= 1.5f * edge ? 1 : 0);
     }

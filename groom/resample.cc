@@ -11,7 +11,7 @@
 namespace strandcast {
 namespace {
 
-/// One strand, and the places of its new vertices on it, m along it from the root.
+/// A strand and the positions of its new vertices, as arc lengths from the root in m.
 class EvenCut {
  public:
   void start(const StrandSet& strands, size_t s, size_t count) {
@@ -21,11 +21,11 @@ class EvenCut {
     places_.assign(count, 0.0);
     findPlaces();
   }
-  /// Of the new vertices.
+  /// Arc length of new vertex `k`, m.
   double place(size_t k) const { return places_[k]; }
-  /// Of one of the strand's own.
+  /// Arc length of vertex `vertex` of the original strand, m.
   double at(size_t vertex) const { return at_[vertex]; }
-  /// Which of the new vertices is at a place: a fraction where it is between two.
+  /// Index of the new vertex at an arc length; fractional between two vertices.
   double vertexAt(double place) const {
     const auto next = std::upper_bound(places_.begin(), places_.end(), place);
     if (next == places_.begin() || !(places_.back() > 0)) return 0;
@@ -34,7 +34,7 @@ class EvenCut {
     return static_cast<double>(k) + (place - places_[k]) / (places_[k + 1] - places_[k]);
   }
 
-  /// A place as an edge of the strand's own and a part of it, 0 to 1.
+  /// A point on the original strand: an edge and the fraction along it, 0 to 1.
   struct OnEdge {
     size_t edge, end;
     double part;
@@ -54,8 +54,9 @@ class EvenCut {
  private:
   Eigen::Vector3d point(size_t i) const { return points_[i].cast<double>(); }
 
-  /// Places whose points are `chord` apart, one after another, each the first so far away; beyond the tip the
-  /// polyline goes straight on. Gives how far beyond the tip the last one comes, m.
+  /// Places points `chord` apart in a straight line, one after another, each at the first such point of the
+  /// polyline; beyond the tip the last edge is extended. Returns how far beyond the tip the last point lies,
+  /// m.
   double march(double chord) {
     size_t edge = 0;
     Eigen::Vector3d from = point(0);
@@ -71,12 +72,14 @@ class EvenCut {
     return places_.back() - at_.back();
   }
 
-  /// Finds the chord with which a march ends at the tip, by false position (the Illinois rule; Dowell and
-  /// Jarratt 1971, "A modified regula falsi method"). Where a strand comes back to itself there may be none.
+  /// Finds the chord with which march() ends at the tip, by false position (the Illinois rule; Dowell and
+  /// Jarratt 1971, "A modified regula falsi method"). Returns false where there is none, as may be in a
+  /// strand that returns to itself.
   bool marchToTip() {
     constexpr int kMostMarches = 60;
     const double length = at_.back(), exact = 1e-10 * length;
-    double low = 0, high = length / static_cast<double>(places_.size() - 1);  // a chord is the shortest way
+    // The upper bound holds because a chord is the shortest path.
+    double low = 0, high = length / static_cast<double>(places_.size() - 1);
     double below = -length, above = march(high);
     if (above <= exact) return true;
     for (int marches = 0, side = 0; marches < kMostMarches; ++marches) {
@@ -103,11 +106,11 @@ class EvenCut {
 
   std::span<const Vec3> points_;
   std::vector<double> at_, places_;
-  size_t last_edge_ = 0;  ///< of some length
+  size_t last_edge_ = 0;  ///< the last edge of nonzero length
 };
 
-/// A new vertex is pinned when it lies between two pinned ones; and a pinned one always pins the new vertex
-/// nearest to it, or it would be lost between two samples.
+/// A new vertex is pinned if it lies between two pinned neighbours. In addition each pinned vertex pins the
+/// new vertex nearest to it: an isolated pin would otherwise be lost between two samples.
 void carryPins(const StrandSet& from, size_t s, const EvenCut& cut, std::span<uint8_t> pins) {
   const uint8_t* old_pins = from.pinned.data() + from.offsets[s];
   const size_t old_count = from.verticesOf(s);

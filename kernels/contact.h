@@ -1,5 +1,6 @@
-// Kernel text: see kernels/README.md. Signed distances are in metres, negative inside; `normal` is a unit vector
-// pointing out of the body.
+// Kernel text: see kernels/README.md. Signed distances to primitives, and the contact law of a vertex. Distances are in
+// metres, negative inside; `normal` is a unit vector that points out of the body. docs/solver.md, "Contact", has the
+// design.
 
 FN real sphereDistance(IN(real3) p, IN(real3) centre, IN(real) radius, OUT(real3) normal) {
   real3 d = p - centre;
@@ -10,7 +11,7 @@ FN real sphereDistance(IN(real3) p, IN(real3) centre, IN(real) radius, OUT(real3
   return l - radius;
 }
 
-// Capsule from a to b; a = b is a sphere.
+// Capsule from a to b; with a = b a sphere. `along`: position of the nearest point on the axis, 0 at a to 1 at b.
 FN real capsuleDistance(IN(real3) p, IN(real3) a, IN(real3) b, IN(real) radius, OUT(real3) normal, OUT(real) along) {
   real3 axis = b - a;
   real l2 = dot(axis, axis);
@@ -25,9 +26,9 @@ FN real planeDistance(IN(real3) p, IN(real3) point, IN(real3) n, OUT(real3) norm
   return dot(p - point, n);
 }
 
-// The hull of a ball of `radius` about a and one of `radius_b` about b (a round cone); one ball in the other or a = b is the
-// larger ball. The normal meets the axis where it makes the cone's half angle with the plane across it; `along` is that
-// place, 0 at a to 1 at b.
+// Convex hull of a ball of `radius` about a and one of `radius_b` about b (a round cone). If one ball contains the
+// other, or a = b, it is the larger ball. The normal through p meets the axis at `along`, 0 at a to 1 at b; there it
+// makes the cone's half angle with the plane across the axis.
 FN real taperedCapsuleDistance(IN(real3) p, IN(real3) a, IN(real3) b, IN(real) radius, IN(real) radius_b, OUT(real3) normal,
                                OUT(real) along) {
   real3 axis = b - a;
@@ -45,7 +46,7 @@ FN real taperedCapsuleDistance(IN(real3) p, IN(real3) a, IN(real3) b, IN(real) r
   return sphereDistance(p, madd(axis, along, a), madd(radius_b - radius, along, radius), normal);
 }
 
-// Box about the origin along the axes; `extent`: half its edges.
+// Axis-aligned box about the origin; `extent`: half its edges.
 FN real boxDistance(IN(real3) p, IN(real3) extent, OUT(real3) normal) {
   real3 q = makeReal3(abs(p.x), abs(p.y), abs(p.z)) - extent;
   real nearest = max(q.x, max(q.y, q.z));
@@ -61,10 +62,10 @@ FN real boxDistance(IN(real3) p, IN(real3) extent, OUT(real3) normal) {
   return select(outside, l, nearest);
 }
 
-// Ellipsoid about the origin along the axes; `extent`: its half axes, at most 100 times as long as the shortest. The nearest
-// point is extent^2 p / (extent^2 + t) with the t that puts it on the surface (Eberly, "Distance from a point to an
-// ellipse, an ellipsoid, or a hyperellipsoid"); t by Newton's method on the secular equation's reciprocal (More, Sorensen
-// 1983), from below. In units of the shortest half axis, and t from its pole.
+// Axis-aligned ellipsoid about the origin; `extent`: its half axes, in a ratio of at most 100. The nearest point is
+// extent^2 p / (extent^2 + t) with the t that puts it on the surface (Eberly, "Distance from a point to an ellipse, an
+// ellipsoid, or a hyperellipsoid"). t is found by Newton's method on the reciprocal of the secular equation (More,
+// Sorensen 1983), from below. Units are the shortest half axis; t is measured from its pole.
 FN real ellipsoidDistance(IN(real3) p, IN(real3) extent, OUT(real3) normal) {
   real least = min(extent.x, min(extent.y, extent.z));
   real scale = lit(1) / least;
@@ -89,9 +90,9 @@ FN real ellipsoidDistance(IN(real3) p, IN(real3) extent, OUT(real3) normal) {
   return dot(y - surface, n) * least;
 }
 
-// A convex body is what lies behind all its planes, unit normals n_i and distances d_i from the origin. To be called for one
-// after the other: `nearest` and `normal` are of the plane that is nearest so far, at first -1e9 and any. Exact inside and
-// before the faces; before edges and corners a lower bound.
+// A convex body is the intersection of half spaces with unit normals n_i at distances d_i from the origin. Call this
+// for one plane after the other: `nearest` and `normal` belong to the plane of greatest distance so far; start with
+// -1e9 and any normal. Exact inside and in front of faces; in front of edges and corners a lower bound.
 FN void convexPlane(IN(real3) p, IN(real3) n, IN(real) d, INOUT(real) nearest, INOUT(real3) normal) {
   real distance = dot(p, n) - d;
   mask nearer = distance > nearest;
@@ -99,56 +100,62 @@ FN void convexPlane(IN(real3) p, IN(real3) n, IN(real) d, INOUT(real) nearest, I
   normal = select(nearer, n, normal);
 }
 
-// Where a rigid body takes a point of it in a substep, to second order: to `a`, where one of its points is at the end, after
-// `a_motion`, turned about it by `turn` (radians along the axis).
+// Position, at the end of a substep, of a point of a rigid body; second order in the rotation. `a`: position of one
+// point of the body at the end, `a_motion`: its displacement, `turn`: rotation vector about it, radians.
 FN real3 carriedBy(IN(real3) point, IN(real3) a, IN(real3) a_motion, IN(real3) turn) {
   real3 arm = (point - a) + a_motion;
   return a + arm + cross(turn, madd(cross(turn, arm), lit(0.5), arm));
 }
 
-// `force` without what goes along the normal.
+// `force` without its component along the normal.
 FN real3 tangentialPart(IN(real3) force, IN(real3) normal) { return madd(normal, lit(0) - dot(force, normal), force); }
 
-// Hair farther from a body than this, in metres, is not pressed by it any more.
+// Contact margin, m: a body does not press hair that is farther from it than this.
 FN real contactReach() { return lit(1e-3); }
-// From 0 there to 1 in the body.
+// 1 on the surface and inside, falling linearly to 0 at contactReach().
 FN real nearness(IN(real) gap) { return clamp(madd(gap, lit(-1e3), lit(1)), lit(0), lit(1)); }
-// Bodies that are nearer than this to where a vertex would go by itself, or that and half of its way, are heeded in the substep.
-FN real lookReach() { return lit(2e-3); }
-// A vertex that ends the substep farther than lookReach() from where it looked, or less than this from a plane that it keeps, looks
-// once more.
-FN real lookMargin() { return lit(5e-4); }
-// An eighth of the radius R of a head, m.
-FN real headEighth() { return lit(0.0125); }
-// Arc length, m, that a strand gets to come out of a body in which its root is `root_depth` deeper than the root's clearance asks. Of great
-// depths four times as much: twice what it would take at 60 degrees to the shortest way, for its first edges are stiff. Of small ones more:
-// where the shortest way leads into the scalp it has to go along there, out of a flat body by sqrt(2 R depth).
-FN real wayOutOf(IN(real) root_depth) {
+// Reach of a contact query, m. A query from where a vertex would move without forces finds the bodies within this
+// distance plus half of the vertex's displacement.
+FN real queryReach() { return lit(2e-3); }
+// The contact cache is stale if the vertex ends the substep farther than queryReach() from its query point. The
+// resolution of penetration also queries again if the vertex is nearer than this to a contact plane, m.
+FN real requeryMargin() { return lit(5e-4); }
+// An eighth of the scalp's assumed radius of curvature R, m.
+FN real scalpRadiusEighth() { return lit(0.0125); }
+// Arc length, m, that a strand gets to leave a body in which its root is `root_depth` deeper than the root's clearance.
+// For large depths 4 times the depth: twice the length at 60 degrees to the shortest way, because the first edges are
+// stiff. For small depths more: if the shortest way leads into the scalp, the strand must run along the scalp, out of a
+// flat body by sqrt(2 R depth).
+FN real exitArcLength(IN(real) root_depth) {
   real depth = max(root_depth, lit(0));
-  return lit(4) * sqrt(depth * (depth + headEighth()));
+  return lit(4) * sqrt(depth * (depth + scalpRadiusEighth()));
 }
-// The depth that has this way out.
-FN real depthOfWayOut(IN(real) arc_length) {
-  return lit(0.5) * (sqrt(madd(arc_length * arc_length, lit(0.25), headEighth() * headEighth())) - headEighth());
+// Inverse of exitArcLength(): the depth, m, for this arc length.
+FN real depthForExitArc(IN(real) arc_length) {
+  return lit(0.5) * (sqrt(madd(arc_length * arc_length, lit(0.25), scalpRadiusEighth() * scalpRadiusEighth())) - scalpRadiusEighth());
 }
-// How far from that body a vertex is kept at this arc length from the root, m: by `clear`, or by what it can be.
+// Clearance from that body of a vertex at this arc length from the root, m: `clear`, reduced where the strand is too
+// short to have left the body.
 FN real clearanceInReach(IN(real) clear, IN(real) root_depth, IN(real) arc_length) {
-  return clear - max(wayOutOf(root_depth) - arc_length, lit(0)) * lit(0.5);
+  return clear - max(exitArcLength(root_depth) - arc_length, lit(0)) * lit(0.5);
 }
-// What presses a vertex from two sides and leaves no room between has to give way at either by this, m, for the vertex to be in the middle.
-// Of planes that meet at more than 37 degrees nothing: out between them it can get.
+// Distance, m, by which two opposite planes with no room between them yield, so that the vertex ends in the middle. 0
+// for planes whose normals are more than 37 degrees from opposite: the vertex can leave between those. Full from 26
+// degrees on.
 FN real pinch(IN(real) gap, IN(real3) normal, IN(real) other_gap, IN(real3) other_normal) {
   real facing = clamp(madd(dot(normal, other_normal), lit(-10), lit(-8)), lit(0), lit(1));
   return max(lit(0) - (gap + other_gap), lit(0)) * lit(0.5) * facing;
 }
-// By how much making lengths exact may press hair into a body, metres.
+// Depth to which exact lengths may push hair into a body, m.
 FN real contactSlack() { return lit(2e-5); }
-// The part of what forces did to a vertex in a substep by which its kept contact force follows. At rest that is nothing;
-// with all of it a blow would be answered twice, by the surface and by the force, which adds energy.
+// Share of a substep's force correction by which the kept contact force (warm start) follows. At rest the correction is
+// zero. With a share of 1 an impact would be answered twice, by the surface and by the kept force, which adds energy.
 FN real contactFollows() { return lit(0.5); }
 
-// What Coulomb's law leaves of the slip of a vertex at x, which started out at `carried` and is pressed with `pressure`: its new place.
-// Friction is at most friction x pressure and only takes back slip. `drag`: the friction that has acted already, `total`: all of it.
+// Position of a vertex after Coulomb friction has reduced its slip. `x`: position; `carried`: position at the end of
+// the substep of the surface point that the vertex started from; `pressure`: normal force. Friction is at most friction
+// x pressure and only removes slip. `drag`: friction that has acted already; `total`: all of it; `slides`: the limit is
+// reached.
 FN real3 withFriction(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(real) pressure, IN(real) friction, IN(real) weight,
                       IN(real3) drag, OUT(real3) total, OUT(mask) slides) {
   real3 slip = tangentialPart(x - carried, normal);
@@ -159,15 +166,17 @@ FN real3 withFriction(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(real)
   real taken = dot(drag - total, slip) * weight / max(dot(slip, slip), lit(1e-30));
   return madd(slip, lit(0) - select(slides, clamp(taken, lit(0), lit(1)), lit(1)), x);
 }
-// `force` where Coulomb's law allows it: normal forces only push, friction is at most friction x normal force.
+// Projects `force` into the friction cone (Coulomb): normal forces only push, friction is at most friction x normal
+// force.
 FN real3 inFrictionCone(IN(real3) force, IN(real3) normal, IN(real) friction) {
   real3 along = tangentialPart(force, normal);
   real pressure = max(dot(force, normal), lit(0));
   return madd(normal, pressure, along * min(friction * pressure / max(length(along), lit(1e-30)), lit(1)));
 }
 
-// Contact of a vertex at x by itself, in units of length x mass (force x substep^2). `force` is what the body presses it with; the vertex
-// is moved by what that was too little. `gap` < 0 is depth. `carried`: where the surface has taken the point at which the vertex was.
+// Contact of a single vertex at x, in units of length x mass (force x substep^2). `force`: contact force that has acted
+// in this substep; on return the force to keep. The vertex is moved by what that force lacked. `gap`: m, negative
+// inside; `carried`: as in withFriction().
 FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(real) gap, IN(real) friction, IN(real) weight,
                         INOUT(real3) force) {
   real mass = inverse(weight);
@@ -181,47 +190,49 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(rea
   return out_x;
 }
 
-// Contact of a vertex that is part of a bent strand, in two steps. First, where it is to be held: on the surface. `force` has pressed it
-// in the last substep and acts in this one; `moved` is how far forces have moved x. `follows`: the part of the normal reaction that is
-// kept for the next substep, `rubs`: the friction that is. At rest that is all of it; what the strand's own speed called for is over with
-// the substep.
-FN real3 heldPlace(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real3) normal, IN(real) gap, IN(real) friction, IN(real) weight,
-                   IN(real3) force, OUT(real) follows, OUT(real3) rubs) {
+// Contact of a vertex that is part of a bent strand, in two steps. First, positionOnSurface() is the position on the surface at
+// which to hold the vertex. `force`: contact force of the last substep, which acts in this one; `moved`: displacement
+// of x by forces. `follows`: share of the normal reaction that is kept for the next substep; `kept_friction`: friction that is
+// kept. At rest both are complete. The impulse that stops the strand's own velocity is not kept: impacts are not
+// warm-started.
+FN real3 positionOnSurface(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real3) normal, IN(real) gap, IN(real) friction, IN(real) weight,
+                   IN(real3) force, OUT(real) follows, OUT(real3) kept_friction) {
   real mass = inverse(weight);
   follows = select(gap < lit(0), clamp(dot(moved, normal) * contactFollows() / min(gap, lit(-1e-12)), lit(0), lit(1)), lit(1));
   real3 drag = tangentialPart(force, normal), total;
   mask slides;
   real3 place = withFriction(madd(normal, lit(0) - gap, x), carried, normal, max(dot(force, normal) - gap * mass, lit(0)), friction, weight,
                              drag, total, slides);
-  rubs = select(slides, total, madd(tangentialPart(moved, normal), lit(0) - mass * contactFollows(), drag));
+  kept_friction = select(slides, total, madd(tangentialPart(moved, normal), lit(0) - mass * contactFollows(), drag));
   return place;
 }
-// Then, from the reaction of the bending system to all that are held: who pulls at the body is let go, and the system solved again so
-// without its force, at most so many times in all.
-const int kHoldRounds = 8;
-FN mask letsGo(IN(real3) force, IN(real3) reaction, IN(real3) normal) { return dot(force + reaction, normal) < lit(0); }
-// One that is not held and gets deeper than where it would be is held after all.
-FN mask isPushed(IN(real3) push, IN(real3) moved, IN(real3) normal) { return dot(moved - push, normal) < lit(0) - lit(1e-7); }
-// The force that is kept of one that is held.
-FN real3 heldForce(IN(real3) force, IN(real3) reaction, IN(real) follows, IN(real3) rubs, IN(real3) normal, IN(real) friction) {
-  return inFrictionCone(madd(normal, dot(madd(reaction, follows, force), normal), rubs), normal, friction);
+// Second, from the reaction of the bending system at the held vertices: a vertex whose contact force would pull is
+// released, and the system is solved again without that force. This active-set iteration for the complementarity
+// problem of the substep (Moreau) makes at most kActiveSetIterations solves. docs/solver.md (26), (27).
+const int kActiveSetIterations = 8;
+FN mask isReleased(IN(real3) force, IN(real3) reaction, IN(real3) normal) { return dot(force + reaction, normal) < lit(0); }
+// A vertex that is not held and moves deeper than its position on the surface becomes held.
+FN mask becomesHeld(IN(real3) push, IN(real3) moved, IN(real3) normal) { return dot(moved - push, normal) < lit(0) - lit(1e-7); }
+// Contact force of a held vertex to keep for the next substep, docs/solver.md (28).
+FN real3 heldForce(IN(real3) force, IN(real3) reaction, IN(real) follows, IN(real3) kept_friction, IN(real3) normal, IN(real) friction) {
+  return inFrictionCone(madd(normal, dot(madd(reaction, follows, force), normal), kept_friction), normal, friction);
 }
 
-// An edge from `inner` to x, `gap` < 0 behind the plane across `normal`, turned towards where the nearest point of that plane is:
-// its new end. Never turns by much for little.
-FN real3 turnedTowards(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
+// End of an edge from `inner` to x after a rotation towards the nearest point of a contact plane; x is behind it
+// (`gap` < 0). A small gap never gives a large rotation.
+FN real3 rotatedTowardsPlane(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
   return madd(directionOr(madd(normal, lit(0) - gap, x) - inner, normal), edge_length, inner);
 }
-// Ends that are still in the body after two of these turns go on with turnedOut(). This is the gap to take away: what counts is the
-// least deep of x, of where the end was before the substep (`carried`) and of the inner end; all of it to 2 mm, none from 3 mm on.
-// Who is deep and hangs on who is deep would be thrown to either side for the last bit.
-FN real lastTurn(IN(real3) x, IN(real3) inner, IN(real3) carried, IN(real3) normal, IN(real) gap) {
+// Gap that rotatedOntoPlane() removes from ends that are still inside after two rotations by rotatedTowardsPlane(). The decision
+// uses the least deep of x, the carried point and the inner end: the whole gap down to a depth of 2 mm, none from 3 mm
+// on. Otherwise rounding would decide to which side a deep end on a deep inner end jumps.
+FN real gapToRemove(IN(real3) x, IN(real3) inner, IN(real3) carried, IN(real3) normal, IN(real) gap) {
   real least = gap + max(max(dot(normal, carried - x), dot(normal, inner - x)), lit(0));
   return gap * clamp(madd(least, lit(1e3), lit(3)), lit(0), lit(1));
 }
-// The outer end x of an edge that starts at `inner`, when it is `gap` < 0 behind the plane across the unit `normal`: the edge
-// turned until the end is in the plane, or as far out as its length allows.
-FN real3 turnedOut(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
+// Outer end of an edge from `inner` to x that is `gap` < 0 behind the plane with unit normal `normal`: the edge rotated
+// until its end lies in the plane, or as far out as its length allows.
+FN real3 rotatedOntoPlane(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
   real3 edge = x - inner;
   real rise = clamp((dot(edge, normal) - gap) * inverse(max(edge_length, lit(1e-12))), lit(-1), lit(1));
   real3 across = select(abs(normal.x) < lit(0.7), makeReal3(lit(0), normal.z, lit(0) - normal.y),
@@ -229,15 +240,16 @@ FN real3 turnedOut(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap,
   real3 along = directionOr(tangentialPart(edge, normal), across * inverseSqrt(dot(across, across)));
   return madd(madd(normal, rise, along * sqrt(max(lit(1) - rise * rise, lit(0)))), edge_length, inner);
 }
-// The same behind two planes, which turning it out of one after the other may never leave: its end in both, on the side along
-// their crease where it is now; where its length does not reach that, as much too deep in either as they ask of it.
-FN real3 turnedIntoCrease(IN(real3) x, IN(real3) inner, IN(real3) first_carried, IN(real3) first, IN(real) first_gap,
+// Same for two planes, which alternating rotations may never satisfy together: the end lies in both planes, on the side
+// along their crease where it is now. If the edge is too short for that, the end remains inside both in proportion to
+// the rises that they ask for.
+FN real3 rotatedIntoCrease(IN(real3) x, IN(real3) inner, IN(real3) first_carried, IN(real3) first, IN(real) first_gap,
                           IN(real3) second_carried, IN(real3) second, IN(real) second_gap, IN(real) edge_length) {
   real3 edge = x - inner;
   real first_deep = min(first_gap, lit(0)), second_deep = min(second_gap, lit(0));
   real per_length = inverse(max(edge_length, lit(1e-12)));
-  real first_rise = first_deep - lastTurn(x, inner, first_carried, first, first_deep) - first_gap + dot(first, edge);
-  real second_rise = second_deep - lastTurn(x, inner, second_carried, second, second_deep) - second_gap + dot(second, edge);
+  real first_rise = first_deep - gapToRemove(x, inner, first_carried, first, first_deep) - first_gap + dot(first, edge);
+  real second_rise = second_deep - gapToRemove(x, inner, second_carried, second, second_deep) - second_gap + dot(second, edge);
   real c = dot(first, second);
   real per_part = per_length * inverse(max(lit(1) - c * c, lit(1e-3)));
   real3 across = madd(first, (first_rise - c * second_rise) * per_part, second * ((second_rise - c * first_rise) * per_part));

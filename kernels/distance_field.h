@@ -1,22 +1,22 @@
-// Kernel text: see kernels/README.md. A signed distance field in bricks of 8 x 8 x 8 cells; core/distance_field.h has the
-// layout in memory, which the backends read. Numbers of bricks, corners and samples are whole reals below 2^24, exact in
-// float.
+// Kernel text: see kernels/README.md. A signed distance field (SDF) in bricks of 8 x 8 x 8 cells. core/distance_field.h
+// has the memory layout, which the backends read. Indices of bricks, corners and samples are whole reals below 2^24,
+// exact in float.
 
-// Where a point lies in the field's grid.
+// A point in the field's grid.
 struct FieldPlace {
-  real brick;         // number of the brick in the index
-  real corner;        // number of the brick's low corner among the corners
-  real first_sample;  // number of the cell's low sample in the brick
-  real3 in_brick;     // place within the brick, 0 to 1
-  real3 in_cell;      // place within the cell, 0 to 1
-  real3 outside;      // from the nearest point of the grid, to which all of the above belong; metres
+  real brick;         // index of the brick
+  real corner;        // index of the brick's low corner among the corners
+  real first_sample;  // index of the cell's low sample in the brick
+  real3 in_brick;     // position within the brick, 0 to 1
+  real3 in_cell;      // position within the cell, 0 to 1
+  real3 outside;      // m, from the nearest point of the grid, to which all of the above belong
 };
 
 FN real3 floorBelow(IN(real3) a, IN(real3) end) {
   return makeReal3(min(floor(a.x), end.x - lit(1)), min(floor(a.y), end.y - lit(1)), min(floor(a.z), end.z - lit(1)));
 }
 
-// `origin` is the grid's low corner, `cell` in metres, `bricks` their number per axis.
+// `origin`: low corner of the grid, m; `cell`: m; `bricks`: their number per axis.
 FN FieldPlace fieldPlace(IN(real3) p, IN(real3) origin, IN(real) cell, IN(real3) bricks) {
   real3 size = bricks * lit(8);
   real3 wanted = (p - origin) * (lit(1) / cell);
@@ -34,7 +34,7 @@ FN FieldPlace fieldPlace(IN(real3) p, IN(real3) origin, IN(real) cell, IN(real3)
   return place;
 }
 
-// The trilinear interpolant of eight samples (vXYZ) at t in [0, 1]^3 and its exact gradient by t.
+// Trilinear interpolant of eight samples (vXYZ) at t in [0, 1]^3, and its exact gradient by t.
 FN real trilinear(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101,
                   IN(real) v011, IN(real) v111, IN(real3) t, OUT(real3) gradient) {
   real dx00 = v100 - v000;
@@ -54,33 +54,33 @@ FN real trilinear(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN
   return madd(dz, t.z, madd(dy0, t.y, x00));
 }
 
-// Signed distance in a brick that lies beyond the band, on `side` 1 (outside) or -1: never farther from 0 than the true
-// one. Distances change by no more than the way, so the interpolant of the corners is off by at most the mean way to
-// them, and that by at most the root mean square. `brick` is the brick's edge in metres.
+// Signed distance in a brick beyond the band, on `side` 1 (outside) or -1 (inside): never farther from 0 than the true
+// one. A distance function has slope 1 at most. So the interpolant of the corners deviates by at most the mean distance
+// to them, which the root mean square bounds. `brick`: edge of the brick, m.
 FN real farDistance(IN(real) at_corners, IN(real3) in_brick, IN(real) brick, IN(real) side, IN(real) band) {
   real3 rest = makeReal3(lit(1), lit(1), lit(1)) - in_brick;
   real off = brick * sqrt(max(dot(in_brick, rest), lit(0)));
   return side * max(band, side * at_corners - off);
 }
 
-// Beyond the grid, which reaches at least `band` past the body: never more than the true distance. `normal` is the
-// gradient.
+// Lower bound of the distance outside the grid, which extends at least `band` beyond the body. `normal`: the gradient.
 FN real distanceOutsideGrid(IN(real3) outside, IN(real) band, OUT(real3) normal) {
   normal = normalizeOrZero(outside);
   return band + length(outside);
 }
 
-// What a field stores about a point: in bricks near the surface (`side` 0) samples at the corners of its cell, in units of
-// `quantum`; in others, and beyond the grid, distances at the corners of its brick (m), with the side that they are on.
+// Stored values around a point. In bricks near the surface (`side` 0): samples at the corners of its cell, in units of
+// `quantum`. In other bricks and outside the grid: distances at the corners of its brick, m, and `side` 1 or -1.
 struct FieldCorners {
   real v000, v100, v010, v110, v001, v101, v011, v111;
   real side;
 };
 
-// `clear` that no point is to keep: then the distance inside, beyond the band, is not shortened either.
+// Value of `clear` for a query without contact: the distance inside, beyond the band, is not shortened then.
 FN real pushedByNothing() { return lit(-1e9); }
-// Signed distance and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true one, so that a push
-// does not overshoot (but see pushedByNothing); outside, where it is only a lower bound, it is at least `clear`, so that nothing is pushed.
+// Signed distance (m) and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true
+// one, so that contact does not overshoot (except with pushedByNothing). Outside, where it is only a lower bound, it is
+// at least `clear`, so that nothing is pushed.
 FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, IN(real) band, IN(real) quantum,
                       IN(real) clear, OUT(real3) normal) {
   mask stored = abs(at.side) < lit(0.5);

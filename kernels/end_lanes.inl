@@ -1,4 +1,4 @@
-// Takes back the macros of the lane vocabulary, so that the next instantiation can make its own.
+// Undefines the macros of the lane vocabulary, so that the next instantiation can define its own.
 #undef FN
 #undef IN
 #undef OUT

@@ -1,11 +1,11 @@
-// Kernel text: see kernels/README.md. Air and hair on regular grids. Places are in cells: node i of an axis is at i. The wind
-// is staggered (Harlow and Welch 1965): component a is known in the middle of the faces across axis a, and face i lies before
-// cell i, so that places of every array are its own indices.
+// Kernel text: see kernels/README.md. Air and hair on regular grids. Coordinates are in cells: node i of an axis is at
+// i. The wind grid is staggered (Harlow and Welch 1965): component a is stored in the middle of the faces across axis
+// a. Face i lies before cell i, so that the coordinates of every array are its own indices.
 
-// Where a point lies among nodes 0 .. last of each axis; beyond them it is that of the nearest point.
+// Position among nodes 0 .. last of each axis; positions outside are clamped to the grid.
 struct GridPlace {
-  real3 low;   // node before it, whole numbers
-  real3 part;  // way to the next node, 0 to 1
+  real3 low;   // index of the node before it
+  real3 part;  // fraction of the distance to the next node, 0 to 1
 };
 FN GridPlace gridPlace(IN(real3) at, IN(real3) last) {
   real3 in_grid = makeReal3(clamp(at.x, lit(0), last.x), clamp(at.y, lit(0), last.y), clamp(at.z, lit(0), last.z));
@@ -16,7 +16,7 @@ FN GridPlace gridPlace(IN(real3) at, IN(real3) last) {
   return place;
 }
 
-// Trilinear interpolation between eight corners (vXYZ). The weights of `splatWeight` are the same.
+// Trilinear interpolation of eight corners (vXYZ), with the weights of splatWeight().
 FN real interpolated(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101,
                      IN(real) v011, IN(real) v111, IN(real3) part) {
   real v00 = madd(v100 - v000, part.x, v000);
@@ -27,60 +27,64 @@ FN real interpolated(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110,
   real v1 = madd(v11 - v01, part.y, v01);
   return madd(v1 - v0, part.z, v0);
 }
-// Share of the corner (cx, cy, cz), each 0 or 1, in what lies at `part`.
+// Weight of the corner (cx, cy, cz), each 0 or 1, for a point at `part`.
 FN real splatWeight(IN(real3) part, IN(real) cx, IN(real) cy, IN(real) cz) {
   real x = madd(cx, part.x + part.x - lit(1), lit(1) - part.x);
   real y = madd(cy, part.y + part.y - lit(1), lit(1) - part.y);
   real z = madd(cz, part.z + part.z - lit(1), lit(1) - part.z);
   return x * y * z;
 }
-// From the world's axes to those of the box of turbulence, and back: half a turn about (2, 3, 7). Wind along an axis of the box would bring
-// the same again after one length of it, and eddies that lie along that axis would stand still in it.
-FN real3 turnedToBox(IN(real3) v) {
+// Rotates from the world's axes to those of the turbulence box, and back: half a turn about (2, 3, 7). Without it, wind
+// along an axis of the box would repeat after one length of it, and eddies along that axis would stand still in it.
+FN real3 toTurbulenceBox(IN(real3) v) {
   real by = (lit(2) * v.x + lit(3) * v.y + lit(7) * v.z) * lit(1.0 / 31);
   return makeReal3(lit(2) * by - v.x, lit(3) * by - v.y, lit(7) * by - v.z);
 }
-// One axis of a blur by (1 2 1) / 4.
+// One axis of a blur with the kernel (1 2 1) / 4.
 FN real blurred(IN(real) before, IN(real) here, IN(real) after) {
   return madd(before + after, lit(0.25), here * lit(0.5));
 }
-// To whole numbers, so that sums do not depend on their order.
+// Rounds to integers, so that sums do not depend on their order.
 FN real fixedPoint(IN(real) value) { return floor(value + lit(0.5)); }
 
-// Semi-Lagrangian advection (Stam 1999, "Stable Fluids", section 3.2): where what is at `at` now was. `courant`: time step
-// over cell, s/m.
+// Semi-Lagrangian advection (Stam 1999, "Stable Fluids", section 3.2): position one step ago of what is at `at` now.
+// `courant`: time step / cell, s/m.
 FN real3 tracedBack(IN(real3) at, IN(real3) velocity, IN(real) courant) { return madd(velocity, lit(0) - courant, at); }
-// MacCormack's correction (Selle, Fedkiw, Kim, Liu, Rossignac 2008, "An Unconditionally Stable MacCormack Method"): `ahead`
-// advected once, `was` before it, `back` advected forth and back; limited to the values it was taken from.
+// MacCormack correction (Selle, Fedkiw, Kim, Liu, Rossignac 2008, "An Unconditionally Stable MacCormack Method").
+// `ahead`: advected once; `was`: before advection; `back`: advected forth and back; low, high: range of the values that
+// `ahead` was interpolated from, to which the result is clamped.
 FN real macCormack(IN(real) ahead, IN(real) was, IN(real) back, IN(real) low, IN(real) high) {
   return clamp(madd(was - back, lit(0.5), ahead), low, high);
 }
 
-// What flows out of a cell through its six faces, times the cell, m/s.
+// Divergence of a cell times its edge: net outflow through its six faces, m/s.
 FN real outflow(IN(real) x0, IN(real) x1, IN(real) y0, IN(real) y1, IN(real) z0, IN(real) z1) {
   return (x1 - x0) + (y1 - y0) + (z1 - z0);
 }
-// A cell's share of what a sphere of wind lets out, by how far (in cells) its middle is from the sphere's: even within, so that its air
-// speeds up evenly from the middle to the surface; where the surface passes, as far as it passes, so that a sphere that moves does not come
-// to a cell all at once. To be scaled to the flow 4 pi radius^2 speed.
+// Relative target divergence of a cell by a spherical wind source; `far`: distance of their centres, `radius`: that of
+// the sphere, both in cells. Constant inside, so that the speed of its air rises linearly from the centre to the
+// surface. It falls to 0 over one cell at the surface, so that a moving sphere enters a cell gradually. The caller
+// scales the sum to the flow 4 pi radius^2 speed.
 FN real sphereShare(IN(real) far, IN(real) radius) { return clamp(radius - far + lit(0.5), lit(0), lit(1)); }
-// Exchange of momentum (rate x time step) of a cell with an outflow that is wanted there: what is let out comes without momentum and takes the
-// place of so much of the air. courant: time step over cell, s/m.
+// Momentum exchange (rate x time step) of a cell with a target divergence: the air that a source lets out has no
+// momentum and replaces that share of the cell's air. `wanted`: target divergence x cell, m/s; `courant`: time step /
+// cell, s/m.
 FN real sphereExchange(IN(real) wanted, IN(real) courant) { return max(wanted, lit(0)) * courant; }
-// A face's velocity less the gradient of the pressure, which is in m/s (pressure x time step / (density x cell)). open: 1,
-// or 0 at solids.
-FN real lessGradient(IN(real) velocity, IN(real) open, IN(real) before, IN(real) after) {
+// Pressure projection: velocity of a face less the pressure gradient. Pressure is in m/s (pressure x time step /
+// (density x cell)). `open`: 1, or 0 at solids.
+FN real projectVelocity(IN(real) velocity, IN(real) open, IN(real) before, IN(real) after) {
   return madd(open, before - after, velocity);
 }
 
-// Velocity of air that exchanges momentum with what moves at `other`, implicitly: `exchange` = rate x time step.
+// Velocity of air after implicit momentum exchange with matter of velocity `other`. `exchange`: rate x time step.
 FN real draggedTo(IN(real) velocity, IN(real) other, IN(real) exchange) {
   return madd(exchange, other, velocity) * inverse(lit(1) + exchange);
 }
 
-// The same in hair that holds air back less along itself (dragNotFelt), which couples the components: `momentum` is exchange x other of all that
-// air is drawn to. Of the exchange `slip` is not there, the mean of less t t' over the directions t of the hair, by its part of the exchange:
-// xx, yy, zz; `slip_across`: yz, xz, xy. Solves (1 + exchange - slip) u = velocity + momentum, by cofactors.
+// draggedTo() in hair with less drag along itself (dragNotFelt), which couples the components. `momentum`: sum of
+// exchange x velocity of all that the air exchanges momentum with. `slip`, `slip_across`: the part of the exchange that
+// is absent, the mean over hair directions t of less t t' times the hair's exchange; components xx, yy, zz and yz, xz,
+// xy. Solves (1 + exchange - slip) u = velocity + momentum by cofactors.
 FN real3 draggedAmong(IN(real3) velocity, IN(real3) momentum, IN(real) exchange, IN(real3) slip, IN(real3) slip_across) {
   real per_whole = inverse(lit(1) + exchange);
   real3 right = (velocity + momentum) * per_whole, across = slip_across * (lit(0) - per_whole);
@@ -92,42 +96,43 @@ FN real3 draggedAmong(IN(real3) velocity, IN(real3) momentum, IN(real) exchange,
                    c_xz * right.x + c_yz * right.y + c_zz * right.z) * per_determinant;
 }
 
-// Direction of a piece of a strand, from its first vertex to its last; upright where both are at one place.
+// Unit direction of a piece of a strand from its first vertex to its last; upright if both coincide.
 FN real3 directionOfPiece(IN(real3) chord) {
   real3 some = chord + makeReal3(lit(0), lit(1e-12), lit(0));
   return some * inverse(sqrt(max(dot(some, some), lit(1e-30))));
 }
-// Slender bodies feel less drag along themselves than across (Taylor 1952: about half). What is to be taken from a drag of
-// rate x relative: its part along the strand, `less` = 1 - (along / across). It is found once a step, but what it adds meanwhile the
-// drag itself, in every substep, takes: at any rate no more is left than the speed that it was found from.
+// Part of the drag that a strand does not feel along itself: slender bodies have less drag along than across (Taylor
+// 1952: about half). To be subtracted from a drag of rate x relative velocity; `less` = 1 - (along / across). It is
+// evaluated once per step. The drag of the substeps also damps what it adds, so that at any rate its effect stays below
+// the speed that it was evaluated from.
 FN real3 dragNotFelt(IN(real3) relative, IN(real3) tangent, IN(real) rate, IN(real) less) {
   return tangent * (dot(relative, tangent) * rate * less);
 }
 
-// Hair is looked at where it will be this part of a step from now, if it goes on as it goes. An acceleration that is constant over the step
-// would feed waves of pressure if it came from where hair is.
-FN real partAhead() { return lit(0.5); }
-// Pressure over density squared of hair that is denser than `rest`, as smoothed particles use it (Monaghan 1992): pressure =
-// stiffness (density - rest). stiffness in m^2/s^2 is the speed squared of the wave that it makes.
+// Fraction of a step by which hair positions are extrapolated with their velocities before they enter the grid. An
+// acceleration that is constant over the step and evaluated at the present positions would amplify pressure waves.
+FN real extrapolationShare() { return lit(0.5); }
+// Pressure over density squared of hair denser than `rest`, as in smoothed particle hydrodynamics (Monaghan 1992):
+// pressure = stiffness (density - rest). `stiffness`, m^2/s^2: squared speed of the pressure wave.
 FN real crowding(IN(real) density, IN(real) rest, IN(real) stiffness) {
   real least = max(density, lit(1e-12));
   return stiffness * max(density - rest, lit(0)) * inverse(least * least);
 }
-// What is pushed with beyond that: it grows while hair is denser than `rest` and shrinks while it is thinner, so that what
-// must be carried all the time, as hair's own weight, is carried at the rest density (the integral part of a controller).
-// gain = rate x time step.
+// Additional pressure over density squared, the integral part of a controller. It grows while hair is denser than
+// `rest` and shrinks while it is thinner. So permanent loads, such as the hair's own weight, are carried at rest
+// density. gain = rate x time step; `most`: upper bound.
 FN real heldCrowding(IN(real) held, IN(real) density, IN(real) rest, IN(real) stiffness, IN(real) gain, IN(real) most) {
   real least = max(density, lit(1e-12));
   return clamp(madd(gain * stiffness, (density - rest) * inverse(least * least), held), lit(0), most);
 }
-// The most that crowding comes to with a stiffness of 1 where hair alone makes a density `own`: (d - rest) / d^2 has its top
-// at d = 2 rest.
+// Greatest value of crowding() with a stiffness of 1 if hair alone has the density `own`: (d - rest) / d^2 has its
+// maximum at d = 2 rest.
 FN real largestCrowding(IN(real) rest, IN(real) own) {
   real density = max(own, rest + rest);
   return (density - rest) * inverse(density * density);
 }
-// Change of velocity along an axis by a push f of hair with f = `crowding` at the node, from the densities and the blurred
-// mass x f before and after it; slope = - time step / (2 cell).
+// Change of velocity along an axis by the pressure of hair. `crowding`: pressure over density squared, f, at the node;
+// the other arguments are density and blurred mass x f before and after it; slope = - time step / (2 cell).
 FN real pushAlong(IN(real) crowding, IN(real) density_before, IN(real) density_after, IN(real) crowded_before,
                   IN(real) crowded_after, IN(real) slope) {
   return slope * madd(crowding, density_after - density_before, crowded_after - crowded_before);

@@ -1,36 +1,38 @@
-// Kernel text: see kernels/README.md. The curve of a hair that is grown from guides. For one lane at a time: it takes sines.
+// Kernel text: see kernels/README.md. The curve of a drawn hair that is interpolated from guides. For scalar lanes
+// only: it uses sines and cosines.
 
-// A guide between two of its vertices: a cubic Hermite curve from p0 to p1 with the tangents m0 and m1 (m per unit of the
-// knots), `h` of the knots apart, at the part s of the way. Written from p0, so that coordinates far from the origin do not
-// cost digits.
+// Position on a guide between two of its vertices: a cubic Hermite curve from p0 to p1 with tangents m0 and m1 (m per
+// unit of the knots). `h`: distance of the two knots; `s`: fraction of the interval, 0 to 1. Written relative to p0 to
+// keep precision far from the origin.
 FN real3 splinePosition(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s) {
   real s2 = s * s;
   real s3 = s2 * s;
   real3 bend = m0 * (s3 - lit(2) * s2 + s) + m1 * (s3 - s2);
   return p0 + (p1 - p0) * (lit(3) * s2 - lit(2) * s3) + bend * h;
 }
-// By the knots.
+// Derivative of splinePosition() by the knot parameter.
 FN real3 splineDerivative(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s) {
   real s2 = s * s;
   real3 bend = m0 * (lit(3) * s2 - lit(4) * s + lit(1)) + m1 * (lit(3) * s2 - lit(2) * s);
   return (p1 - p0) * (lit(6) * (s - s2) / h) + bend;
 }
 
-// v in the mirror whose normal is `across`; v itself where that has no length.
+// Reflects v in the plane with normal `across`; returns v if that has no length.
 FN real3 mirrored(IN(real3) v, IN(real3) across) {
   real l2 = dot(across, across);
   mask tiny = l2 < lit(1e-16);
   return select(tiny, v, v - across * (lit(2) * dot(across, v) / select(tiny, lit(1), l2)));
 }
-// The unit normal of a twist-free frame carried on along `step` to the unit tangent `tangent`, by double reflection (Wang,
-// Juettler, Zheng, Liu 2008, "Computation of rotation minimizing frames"). Not unit where it comes to lie along the tangent.
+// Unit normal of a rotation minimizing frame, carried along `step` from the unit tangent `last_tangent` to `tangent`,
+// by double reflection (Wang, Juettler, Zheng, Liu 2008, "Computation of rotation minimizing frames"). Zero if it
+// becomes parallel to the tangent.
 FN real3 carriedNormal(IN(real3) normal, IN(real3) last_tangent, IN(real3) step, IN(real3) tangent) {
   real3 turned = mirrored(last_tangent, step);
   real3 n = mirrored(mirrored(normal, step), tangent - turned);
   return normalizeOrZero(n - tangent * dot(n, tangent));
 }
 
-// The radius of a lock along it: a quadratic Bezier curve over factors at root, middle and tip.
+// Radius of a lock along its length u, 0 to 1: a quadratic Bezier curve over factors at root, middle and tip.
 FN real lockRadius(IN(real3) profile, IN(real) u) {
   real v = lit(1) - u;
   return v * v * profile.x + lit(2) * u * v * profile.y + u * u * profile.z;
@@ -39,11 +41,11 @@ FN real lockRadiusSlope(IN(real3) profile, IN(real) u) {
   return lit(2) * ((lit(1) - u) * (profile.y - profile.x) + u * (profile.z - profile.y));
 }
 
-// Radians of so many turns, the whole ones left out.
+// Angle of a number of turns, radians, without whole turns.
 FN real turnAngle(IN(real) turns) { return lit(6.283185307179586) * (turns - floor(turns + lit(0.5))); }
 
-// Where a hair is in the twist-free frame of the guide that it follows most: along its normal and binormal, metres, and how
-// that changes by u, the part of the length from the root.
+// Position of a hair in the twist-free frame of its first guide: along normal (x) and binormal (y), metres, and the
+// derivatives by u, the fraction of the length from the root.
 struct AcrossGuide {
   real x, y, slope_x, slope_y;
 };
@@ -59,9 +61,10 @@ FN AcrossGuide turning(IN(real) turns, IN(real) per_u, IN(real) radius, IN(real)
   at.slope_y = slope * s + around * c;
   return at;
 }
-// The place in the lock (`offset` metres, only x and y) times the lock's radius; a curl, a helix of `curl_radius` metres that
-// opens from the root on, with `curl_turns` over the whole length; and deviations: by `tip` metres, most of it in the last
-// quarter, and by `whole` metres all along but the root. Both wander by one and a half turns.
+// Sum of three offsets. First, the position in the lock (`offset`, m, only x and y) times the lock's radius. Second, a
+// curl: a helix of `curl_radius` (m) that widens from the root, with `curl_turns` over the whole length. Third,
+// deviations: by `tip` (m), most of it in the last quarter, and by `whole` (m) everywhere but at the root. Both
+// deviations rotate by one and a half turns over the length.
 FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(real) tip, IN(real) whole,
                           IN(real) deviation_phase, IN(real) curl_radius, IN(real) curl_turns, IN(real) curl_phase) {
   real opening = u * (lit(2) - u);
@@ -82,8 +85,8 @@ FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(re
   return at;
 }
 
-// A curl taken from a strand (render/curl_example.h) between two of its samples, `h` of u apart, at the part s of the way:
-// their places across the axis (only x and y) with their slopes, `scale` metres large and turned about the guide.
+// Offset by a curl that is sampled from a strand (render/curl_example.h). p0, p1: two samples (only x and y) with
+// slopes m0, m1, at distance `h` in u; `s`: fraction of the interval; `scale`: m; `turns`: rotation about the guide.
 FN AcrossGuide exampleAcross(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s, IN(real) turns,
                              IN(real) scale) {
   real3 place = splinePosition(p0, p1, m0, m1, h, s) * scale;
@@ -107,8 +110,8 @@ FN AcrossGuide bothAcross(IN(AcrossGuide) a, IN(AcrossGuide) b) {
   return at;
 }
 
-// How far a hair has left its three guides for the first of them alone, 0 to 1, and how that changes by u: `clump` u, and
-// what bodies ask for beyond that (`bodies`, with its slope).
+// Share, 0 to 1, by which a hair follows only the first of its three guides, and its derivative by u: `clump` u, plus
+// what bodies require beyond that (`bodies`, with its slope).
 struct Closing {
   real part, slope;
 };
@@ -120,8 +123,8 @@ FN Closing hairClosing(IN(real) u, IN(real) clump, IN(real) bodies, IN(real) bod
   return closing;
 }
 
-// The place of a hair that follows one guide from a root beside that guide's own, `beside` metres away (only x and y): it
-// closes in as hair between guides does.
+// Offset of a hair that follows one guide from a root `beside` that guide's root (m, only x and y). It closes in like
+// hair between guides.
 FN AcrossGuide besideGuide(IN(real3) beside, IN(Closing) closing) {
   real open = lit(1) - closing.part;
   AcrossGuide at;
@@ -132,14 +135,15 @@ FN AcrossGuide besideGuide(IN(real3) beside, IN(Closing) closing) {
   return at;
 }
 
-// The hair from its guides' positions at u: `ab` and `ac` from the first to the others, with their weights.
+// Position of a hair at u. `a`: position of its first guide; `ab`, `ac`: vectors from there to the other two guides,
+// with their weights.
 FN real3 hairPosition(IN(real3) a, IN(real3) ab, IN(real3) ac, IN(real) weight_b, IN(real) weight_c, IN(Closing) closing,
                       IN(AcrossGuide) across, IN(real3) normal, IN(real3) binormal) {
   real open = lit(1) - closing.part;
   return a + ab * (open * weight_b) + ac * (open * weight_c) + normal * across.x + binormal * across.y;
 }
-// Its derivative by u, up to a part along the guide: the frame turns only about axes across the tangent. `da`, `dab`, `dac`:
-// derivatives of the above.
+// Derivative of hairPosition() by u, without a part along the guide: a rotation minimizing frame rotates only about
+// axes perpendicular to the tangent. `da`, `dab`, `dac`: derivatives of a, ab, ac.
 FN real3 hairDerivative(IN(real3) da, IN(real3) dab, IN(real3) dac, IN(real3) ab, IN(real3) ac, IN(real) weight_b,
                         IN(real) weight_c, IN(Closing) closing, IN(AcrossGuide) across, IN(real3) normal,
                         IN(real3) binormal) {
@@ -149,20 +153,21 @@ FN real3 hairDerivative(IN(real3) da, IN(real3) dab, IN(real3) dac, IN(real3) ab
   return da + spread - close + normal * across.slope_x + binormal * across.slope_y;
 }
 
-// Part of the full width where the part `along` of the hair lies behind: all of it up to three quarters, then less, to none at
-// the tip.
+// Width of a hair over its full width at the fraction `along` of its length: 1 up to three quarters, then linear to 0
+// at the tip.
 FN real hairTaper(IN(real) along) { return clamp(lit(4) * (lit(1) - along), lit(0), lit(1)); }
 
-// How far a vertex is kept from the surface of bodies, m: `clear` but near the root, where hair may be as deep as its root is.
+// Clearance of a hair's vertex from bodies, m: `clear`, reduced within 1/20 of the length from the root to the root's
+// own distance if that is less.
 FN real keptDistance(IN(real) u, IN(real) root_distance, IN(real) clear) {
   real t = clamp(u * lit(20), lit(0), lit(1));
   return clear + (min(root_distance, clear) - clear) * (lit(1) - t * t * (lit(3) - lit(2) * t));
 }
 
-// A hair of which a vertex would go into a body follows one guide from there on, as the guides do not (Yuksel and Tariq 2010,
-// "Advanced Techniques in Real-Time Hair Rendering and Simulation"), and goes over to it within `zone`, a part of the length,
-// before. So that nothing pops as hair moves, a vertex asks for the more of that the deeper it is, all of it from 2 mm on; of
-// what all vertices ask for, the most counts. `ahead`: how far on along u that vertex is, negative behind.
+// A hair with a vertex inside a body follows one guide from there on, because guides do not enter bodies (Yuksel and
+// Tariq 2010, "Advanced Techniques in Real-Time Hair Rendering and Simulation"). The transition is within `zone`, a
+// fraction of the length, before that vertex. To avoid popping, closingAsked() rises linearly with the vertex's depth
+// up to 2 mm; the maximum over all vertices counts. `ahead`: distance of the vertex along u, negative behind it.
 FN real closingAsked(IN(real) depth) { return clamp(depth * lit(500), lit(0), lit(1)); }
 FN real closingBefore(IN(real) asked, IN(real) ahead, IN(real) zone) {
   real t = clamp(lit(1) - ahead / zone, lit(0), lit(1));

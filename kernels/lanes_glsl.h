@@ -1,5 +1,5 @@
 // Lane vocabulary of GLSL 4.50: one float per invocation. real3 and quat are built-in vectors; dot, cross, length,
-// sqrt, abs, min, max, clamp and the operators are GLSL's own.
+// sqrt, abs, min, max, clamp and the operators are built in, too.
 #define real float
 #define real3 vec3
 #define quat vec4
@@ -16,7 +16,7 @@ float inverse(float a) { return 1.0 / a; }
 float inverseSqrt(float a) { return inversesqrt(a); }
 float madd(float a, float b, float c) { return fma(a, b, c); }
 vec3 madd(vec3 a, float s, vec3 c) { return fma(a, vec3(s), c); }
-// SELECT_BY_MIX: the same values, but drivers make other code of it; which is sooner is told by measuring.
+// SELECT_BY_MIX gives the same values, but drivers generate other code for it; measure which is faster.
 #ifdef SELECT_BY_MIX
 float select(bool m, float a, float b) { return mix(b, a, m); }
 vec3 select(bool m, vec3 a, vec3 b) { return mix(b, a, bvec3(m)); }

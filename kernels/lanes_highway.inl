@@ -1,12 +1,11 @@
-// Lane vocabulary over one Highway vector of floats of the target being compiled, and the kernel text on top
-// of it. Included inside the target's namespace, once per target, after hwy/highway.h.
+// Lane vocabulary over one Highway vector of floats of the target being compiled, with the kernel text on top. Included
+// inside the target's namespace, once per target, after hwy/highway.h.
 namespace hn = hwy::HWY_NAMESPACE;
 using Scalar = float;
 using Tag = hn::ScalableTag<float>;
-constexpr int kLanes = static_cast<int>(hn::MaxLanes(Tag()));  // x86: of every vector
+constexpr int kLanes = static_cast<int>(hn::MaxLanes(Tag()));  // on x86 the exact number of lanes
 
-// Plain aggregates without constructors: g++ does not inline user-written ones across Highway's target
-// pragmas.
+// Plain aggregates without constructors: g++ does not inline user-written ones across Highway's target pragmas.
 struct real {
   hn::Vec<Tag> v;
 };
@@ -22,8 +21,8 @@ HWY_INLINE real operator/(real a, real b) { return {hn::Div(a.v, b.v)}; }
 HWY_INLINE real madd(real a, real b, real c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
 HWY_INLINE real sqrt(real a) { return {hn::Sqrt(a.v)}; }
 #if HWY_TARGET <= HWY_AVX3
-// Estimates to 14 bits, which a step of Newton's method doubles: several times as fast as dividing. It ends with what is to be added, so
-// that only the last sum is rounded.
+// Estimates to 14 bits plus one step of Newton's method, which doubles the bits: several times as fast as a division.
+// The last operation adds a small correction, so that only the final sum is rounded.
 HWY_INLINE real inverse(real a) {
   const auto y = hn::ApproximateReciprocal(a.v);
   return {hn::MulAdd(y, hn::NegMulAdd(a.v, y, hn::Set(Tag(), 1.0f)), y)};
@@ -50,10 +49,10 @@ HWY_INLINE mask operator||(mask a, mask b) { return {hn::Or(a.m, b.m)}; }
 HWY_INLINE mask operator!(mask a) { return {hn::Not(a.m)}; }
 HWY_INLINE real select(mask m, real a, real b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
 
-// For the backends' planes, not for kernel text. Rows of lanes start at multiples of their size.
+// For the backends' planes, not for kernel text. Rows of lanes are aligned to their size.
 #if defined(__GNUC__) && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
-// Rows hold floats and nothing else. Highway's own stores may write anything, so that a sweep would read all that it knows
-// of a block again after each. To g++ a vector type may alias what its elements may.
+// Rows hold floats only. Highway's own stores may alias any type, so that a sweep would reload all block members after
+// each store. For g++, a vector type aliases only what its elements may alias.
 using Row [[gnu::vector_size(sizeof(Scalar) * kLanes)]] = Scalar;
 HWY_INLINE real load(const Scalar* p) { return {hn::Vec<Tag>{*reinterpret_cast<const Row*>(p)}}; }
 HWY_INLINE void store(real value, Scalar* p) { *reinterpret_cast<Row*>(p) = value.v.raw; }
@@ -67,12 +66,12 @@ HWY_INLINE uint32_t laneBits(mask m) {
   hn::StoreMaskBits(Tag(), m.m, reinterpret_cast<uint8_t*>(&bits));
   return static_cast<uint32_t>(bits);
 }
-HWY_INLINE Scalar leastOf(real value) { return hn::GetLane(hn::MinOfLanes(Tag(), value.v)); }
+HWY_INLINE Scalar reduceMin(real value) { return hn::GetLane(hn::MinOfLanes(Tag(), value.v)); }
 using WordTag = hn::RebindToSigned<Tag>;
-HWY_INLINE void storeWhole(real value, uint32_t* p) {
+HWY_INLINE void storeAsInt(real value, uint32_t* p) {
   hn::Store(hn::ConvertTo(WordTag(), value.v), WordTag(), reinterpret_cast<int32_t*>(p));
 }
-// Not by hn::Compress(), whose table g++ copies to the stack at every call.
+// hn::Compress() is avoided: g++ copies its table to the stack at every call.
 struct Packing {
   decltype(hn::IndicesFromVec(Tag(), hn::Zero(WordTag()))) order;
 };
@@ -82,7 +81,7 @@ HWY_INLINE Packing packing(mask m) {
   for (uint32_t left = laneBits(m); left != 0; left &= left - 1) order[count++] = std::countr_zero(left);
   return {hn::IndicesFromVec(Tag(), hn::Load(WordTag(), order))};
 }
-HWY_INLINE void pack(real value, Packing packing, Scalar* p) {
+HWY_INLINE void compressStore(real value, Packing packing, Scalar* p) {
   hn::StoreU(hn::TableLookupLanes(value.v, packing.order), Tag(), p);
 }
 HWY_INLINE mask firstLanes(int count) { return {hn::FirstN(Tag(), static_cast<size_t>(count))}; }
@@ -93,8 +92,8 @@ struct word {
 HWY_INLINE word operator+(word a, word b) { return {hn::Add(a.v, b.v)}; }
 HWY_INLINE word operator*(word a, word b) { return {hn::Mul(a.v, b.v)}; }
 HWY_INLINE word operator&(word a, word b) { return {hn::And(a.v, b.v)}; }
-HWY_INLINE word everywhere(int32_t value) { return {hn::Set(WordTag(), value)}; }
-HWY_INLINE word wordOf(real value) { return {hn::ConvertTo(WordTag(), value.v)}; }
+HWY_INLINE word splat(int32_t value) { return {hn::Set(WordTag(), value)}; }
+HWY_INLINE word toInt(real value) { return {hn::ConvertTo(WordTag(), value.v)}; }
 HWY_INLINE real realOf(word value) { return {hn::ConvertTo(Tag(), value.v)}; }
 HWY_INLINE real floatOf(word bits) { return {hn::BitCast(Tag(), bits.v)}; }
 HWY_INLINE word select(mask m, word a, word b) {
@@ -112,7 +111,7 @@ HWY_INLINE real lowHalves(word words) {
 }
 HWY_INLINE real highHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(words.v))}; }
 
-// The order matters.
+// The order of inclusion matters.
 // clang-format off
 #include "kernels/lanes_vector.inl"
 #include "kernels/rotation.h"
@@ -122,7 +121,7 @@ HWY_INLINE real highHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftR
 #include "kernels/surface_bend.h"
 #include "kernels/rod.h"
 #include "kernels/straight_joint.h"
-#include "kernels/stiff_pulls.h"
+#include "kernels/stiff_tensions.h"
 #include "kernels/grooming.h"
 #include "kernels/grid.h"
 // clang-format on

@@ -1,4 +1,4 @@
-// The macros of kernel text on the C++ side; end_lanes.inl takes them back.
+// Macros of kernel text on the C++ side; end_lanes.inl undefines them.
 #define FN [[maybe_unused]] static inline
 #define IN(type) const type&
 #define OUT(type) type&

@@ -22,29 +22,29 @@ inline real load(const Scalar* p) { return *p; }
 inline void store(real value, Scalar* p) { *p = value; }
 inline bool anyTrue(mask m) { return m; }
 inline uint32_t laneBits(mask m) { return m ? 1 : 0; }  // bit 0: the first lane
-inline Scalar leastOf(real value) { return value; }       // of all lanes
-inline void storeWhole(real value, uint32_t* p) { *p = static_cast<uint32_t>(value); }  // of whole numbers from 0 on
-// How some lanes are put one after another. What is behind them up to kLanes is lost.
+inline Scalar reduceMin(real value) { return value; }       // over all lanes
+inline void storeAsInt(real value, uint32_t* p) { *p = static_cast<uint32_t>(value); }  // of non-negative integers
+// Permutation that moves the lanes of a mask to the front. The entries after them, up to kLanes, are undefined.
 struct Packing {
   mask lanes;
 };
 inline Packing packing(mask m) { return {m}; }
-inline void pack(real value, Packing packing, Scalar* p) {
+inline void compressStore(real value, Packing packing, Scalar* p) {
   if (packing.lanes) *p = value;
 }
 inline mask firstLanes(int count) { return count > 0; }
 inline real laneNumbers() { return 0; }
 
-// Whole numbers with a sign, and the words of memory.
+// Signed integers, and reads of 32-bit words from memory.
 using word = int32_t;
-inline word everywhere(int32_t value) { return value; }
-inline word wordOf(real value) { return static_cast<word>(value); }  // of a whole number
+inline word splat(int32_t value) { return value; }
+inline word toInt(real value) { return static_cast<word>(value); }  // of an integer
 inline real realOf(word value) { return static_cast<real>(value); }
 inline real floatOf(word bits) { return std::bit_cast<float>(bits); }
 inline word select(mask m, word a, word b) { return m ? a : b; }
 inline word shiftedDown(word a, word bits) { return a >> bits; }
 inline word wordAt(const uint32_t* words, word number) { return static_cast<word>(words[number]); }
-inline word wordAtByte(const uint32_t* words, word byte) {  // anywhere
+inline word wordAtByte(const uint32_t* words, word byte) {  // unaligned
   word found;
   std::memcpy(&found, reinterpret_cast<const char*>(words) + byte, sizeof found);
   return found;

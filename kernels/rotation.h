@@ -1,6 +1,6 @@
 // Kernel text: see kernels/README.md.
 
-// Unit vector along a; (0,0,0) where a is shorter than 1e-18. The square of that is still a normal float: GPUs flush
+// Unit vector along a; zero if a is shorter than 1e-18. The square of that is still a normal float, because GPUs flush
 // denormal numbers to zero.
 FN real3 normalizeOrZero(IN(real3) a) {
   real l2 = dot(a, a);
@@ -9,14 +9,14 @@ FN real3 normalizeOrZero(IN(real3) a) {
   return a * inverse;
 }
 
-// Unit vector along the edge, or `otherwise` where it is shorter than a nanometre.
+// Unit vector along the edge, or `otherwise` if the edge is shorter than a nanometre.
 FN real3 directionOr(IN(real3) edge, IN(real3) otherwise) {
   real l2 = dot(edge, edge);
   mask tiny = l2 < lit(1e-18);
   return select(tiny, otherwise, edge * inverseSqrt(max(l2, lit(1e-18))));
 }
 
-// v turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), u = q.xyz.
+// v rotated by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), u = q.xyz.
 FN real3 rotate(IN(quat) q, IN(real3) v) {
   real3 u = makeReal3(q.x, q.y, q.z);
   real3 c = cross(u, v) * lit(2);
@@ -25,7 +25,7 @@ FN real3 rotate(IN(quat) q, IN(real3) v) {
 
 FN quat conjugate(IN(quat) q) { return makeQuat(lit(0) - q.x, lit(0) - q.y, lit(0) - q.z, q.w); }
 
-// v turned back by the unit quaternion q.
+// v rotated by the inverse of the unit quaternion q.
 FN real3 rotateBack(IN(quat) q, IN(real3) v) { return rotate(conjugate(q), v); }
 
 // Hamilton product: first b, then a.
@@ -41,15 +41,15 @@ FN quat normalizeQuat(IN(quat) q) {
   return makeQuat(q.x * inverse, q.y * inverse, q.z * inverse, q.w * inverse);
 }
 
-// The smallest rotation that takes the unit vector a to the unit vector b. Within 2.6 degrees of opposite directions
-// (1 + a.b < 1e-3) it stops short of them, so that it stays finite everywhere.
+// Shortest rotation that takes the unit vector a to the unit vector b. Within 2.6 degrees of opposite directions
+// (1 + a.b < 1e-3) it rotates by less than needed, so that it stays finite everywhere.
 FN quat rotationBetween(IN(real3) a, IN(real3) b) {
   real3 axis = cross(a, b);
   real w = max(lit(1) + dot(a, b), lit(1e-3));
   return normalizeQuat(makeQuat(axis.x, axis.y, axis.z, w));
 }
 
-// Between unit quaternions, t in [0, 1]: linear, on the shorter way, normalised.
+// Normalised linear interpolation of unit quaternions on the shorter arc, t in [0, 1].
 FN quat interpolateRotation(IN(quat) a, IN(quat) b, IN(real) t) {
   real d = madd(a.x, b.x, madd(a.y, b.y, madd(a.z, b.z, a.w * b.w)));
   real tb = select(d < lit(0), lit(0) - t, t);

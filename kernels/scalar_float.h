@@ -16,7 +16,7 @@ namespace strandcast::kernels::f32 {
 #include "kernels/surface_bend.h"
 #include "kernels/rod.h"
 #include "kernels/straight_joint.h"
-#include "kernels/stiff_pulls.h"
+#include "kernels/stiff_tensions.h"
 #include "kernels/grooming.h"
 #include "kernels/grid.h"
 #include "kernels/hair.h"

@@ -1,16 +1,16 @@
-// Kernel text: see kernels/README.md. The course's strand scheme (Yuksel and Tariq 2010, "Advanced Techniques in
-// Real-time Hair Rendering and Simulation", chapter 3): Verlet prediction, angular forces towards the rest shape in
-// the parent's frame, distance constraints, in batches that share no vertex.
+// Kernel text: see kernels/README.md. Position based dynamics of strands (Yuksel and Tariq 2010, "Advanced Techniques
+// in Real-time Hair Rendering and Simulation", chapter 3): Verlet prediction, angular constraints towards the rest
+// shape in the parent edge's frame, and distance constraints, in batches that share no vertex.
 
-// Position after `dt` of free motion. keep = exp(-drag dt) is the part of the velocity that the air leaves; what it
-// takes away it replaces by wind. `time2`: how far an acceleration of 1 m/s^2 takes it, m.
+// Position after `dt` seconds without constraints. keep = exp(-drag dt) is the share of the velocity that air drag
+// leaves; wind replaces the rest. `time2`: displacement by an acceleration of 1 m/s^2, m (DragStep::time2).
 FN real3 predictPosition(IN(real3) x, IN(real3) v, IN(real3) gravity, IN(real3) wind, IN(real) keep, IN(real) dt, IN(real) time2) {
   real3 blown = madd(v, keep, wind * (lit(1) - keep));
   return madd(gravity, time2, madd(blown, dt, x));
 }
 
-// Distance constraint between neighbours a and b with inverse masses wa, wb (relative, 0 pinned): |b - a| = rest.
-// Moves each by its share; does nothing where both are pinned or the two coincide.
+// Distance constraint |b - a| = rest between neighbours with inverse masses wa, wb (relative, 0 if pinned). Moves each
+// vertex by its share. Does nothing if both are pinned or coincide.
 FN void solveDistance(INOUT(real3) a, INOUT(real3) b, IN(real) wa, IN(real) wb, IN(real) rest) {
   real3 edge = b - a;
   real l = length(edge);
@@ -21,10 +21,11 @@ FN void solveDistance(INOUT(real3) a, INOUT(real3) b, IN(real) wa, IN(real) wb, 
   b = madd(edge, lit(0) - scale * wb, b);
 }
 
-// Angular constraint on the edge a-b: towards `target`, the rest edge (metres) as the frame of the edge before it, p-a,
-// holds it, by the fraction `strength` in [0, 1]. What turns a-b one way turns p-a the other way: a step down the
-// gradient of |target - (b - a)|^2 with the target turning with p-a. Without that reaction the constraint feeds energy
-// into curled hair at rest until it flutters. wp, wa, wb: inverse masses (relative, 0 pinned).
+// Angular constraint on the edge a-b: moves it by the fraction `strength`, 0 to 1, towards `target`. That is the rest
+// edge (m) as the frame of the parent edge p-a carries it. The correction that rotates a-b rotates p-a in the opposite
+// direction: a step down the gradient of |target - (b - a)|^2 with a target that rotates with p-a. Without this
+// reaction the constraint feeds energy to curled hair at rest until it flutters. wp, wa, wb: inverse masses (relative,
+// 0 if pinned).
 FN void solveAngular(INOUT(real3) p, INOUT(real3) a, INOUT(real3) b, IN(real) wp, IN(real) wa, IN(real) wb,
                      IN(real3) target, IN(real) strength) {
   real3 delta = target - (b - a);
@@ -40,6 +41,6 @@ FN void solveAngular(INOUT(real3) p, INOUT(real3) a, INOUT(real3) b, IN(real) wp
   b = madd(delta, move * wb, b);
 }
 
-// The rotation that carries a frame along the strand from an edge of unit direction `from` to its neighbour of unit
-// direction `to` without twist (Bishop 1975). Frames along a strand are products of these from the root outwards.
+// Rotation without twist that carries a frame from an edge of unit direction `from` to its neighbour of unit direction
+// `to` (Bishop 1975). Frames along a strand are products of these from the root outwards.
 FN quat transportFrame(IN(real3) from, IN(real3) to) { return rotationBetween(from, to); }

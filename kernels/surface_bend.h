@@ -1,9 +1,10 @@
-// Kernel text: see kernels/README.md. A surface that is bent: what is at p was at rest at p + w(p), with a quadratic w. Between
-// two joints whose weights go over evenly linear blending is just that. Beyond its box w is what it is at the box's nearest point.
+// Kernel text: see kernels/README.md. A bent surface: the point at p was at p + w(p) at rest, with a quadratic
+// polynomial w. Linear blend skinning between two joints whose weights change linearly is of this form. Outside its
+// box, w takes the value at the nearest point of the box.
 
 struct Bend {
-  real3 one, x, y, z, xx, yy, zz, xy, yz, zx;  // factors of these products of p's components
-  real3 reach;                                 // of the box about the origin, m
+  real3 one, x, y, z, xx, yy, zz, xy, yz, zx;  // coefficients of these products of p's components
+  real3 reach;                                 // half extents of the box about the origin, m
 };
 
 FN real3 inBendBox(IN(Bend) bend, IN(real3) p) {
@@ -19,14 +20,14 @@ FN real3 bendShift(IN(Bend) bend, IN(real3) p) {
   return madd(by_x, q.x, madd(by_y, q.y, madd(by_z, q.z, bend.one)));
 }
 
-// How w changes with the components of a place q in its box.
+// Derivatives of w by the components of a point q in its box.
 FN void bendRates(IN(Bend) bend, IN(real3) q, OUT(real3) by_x, OUT(real3) by_y, OUT(real3) by_z) {
   by_x = madd(bend.xx, q.x + q.x, madd(bend.xy, q.y, madd(bend.zx, q.z, bend.x)));
   by_y = madd(bend.yy, q.y + q.y, madd(bend.yz, q.z, madd(bend.xy, q.x, bend.y)));
   by_z = madd(bend.zz, q.z + q.z, madd(bend.zx, q.x, madd(bend.yz, q.y, bend.z)));
 }
 
-// The gradient at p of what has the gradient `normal` where p is at rest.
+// Gradient at p in the bent state of a function whose gradient at rest is `normal`.
 FN real3 bentGradient(IN(Bend) bend, IN(real3) p, IN(real3) normal) {
   real3 by_x, by_y, by_z;
   bendRates(bend, inBendBox(bend, p), by_x, by_y, by_z);
@@ -35,18 +36,19 @@ FN real3 bentGradient(IN(Bend) bend, IN(real3) p, IN(real3) normal) {
                    normal.z + select(abs(p.z) > bend.reach.z, lit(0), dot(by_z, normal)));
 }
 
-// Where a bent surface has what is at `rest` at rest: by a second step of the fixed point of x = rest - w(x), from x = p on.
+// Position in the bent state of the point that is at `rest` at rest: two fixed-point iterations of x = rest - w(x),
+// from x = p.
 FN real3 placedByBend(IN(Bend) bend, IN(real3) rest, IN(real3) p) {
   return rest - bendShift(bend, rest - bendShift(bend, p));
 }
-// Where the bent surface has taken what was at p, when the bend went from `before` to `now`.
+// Position to which the surface carries the point at p while the bend changes from `before` to `now`.
 FN real3 carriedByBend(IN(Bend) before, IN(Bend) now, IN(real3) p) {
   return placedByBend(now, p + bendShift(before, p), p);
 }
 
-// Distance to a bent surface from `distance` at rest, with the gradient of that as bentGradient() has it, which becomes the unit
-// normal. Near the surface to the first order, elsewhere no farther from 0 than the true one: distances grow by no more than
-// `stretch` times the way.
+// Distance to a bent surface, m. `distance`: that at rest; `gradient`: its bentGradient(), on return the unit normal.
+// First order within 5 mm of the surface. Elsewhere a bound that is never farther from 0 than the true distance,
+// because the bend stretches distances by at most `stretch`.
 FN real bentDistance(IN(real) distance, IN(real) stretch, INOUT(real3) gradient) {
   real rise = length(gradient);
   mask near = abs(distance) < lit(5e-3) && rise > lit(0.25);

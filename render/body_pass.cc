@@ -116,7 +116,7 @@ void BodyPass::place(std::span<const PlacedCollider> colliders) {
     const Vec3 rest(rest_[v].position);
     const Vec3 position = binding_.position(v, rest),
                normal = binding_.normal(v, rest, Vec3(rest_[v].normal));
-    if (!position.allFinite() || !normal.allFinite()) continue;  // of a damaged frame
+    if (!position.allFinite() || !normal.allFinite()) continue;  // a damaged frame
     std::copy(position.begin(), position.end(), moved[v].position);
     std::copy(normal.begin(), normal.end(), moved[v].normal);
     moved[v].head_weight = 0;
@@ -144,7 +144,7 @@ void BodyPass::drawBody(const Pose& head) const { drawMesh(body_, head); }
 void BodyPass::drawBackground() const {
   background_.use();
   glBindVertexArray(empty_vertices_);
-  glDrawArrays(GL_TRIANGLES, 0, 3);  // at the far end: whatever was drawn before stays
+  glDrawArrays(GL_TRIANGLES, 0, 3);  // at the far plane, so that everything drawn before stays
   glBindVertexArray(0);
 }
 

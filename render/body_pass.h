@@ -19,18 +19,19 @@ class BodyPass {
   BodyPass(const BodyPass&) = delete;
   BodyPass& operator=(const BodyPass&) = delete;
 
-  /// Triangles whose indices are out of range or whose corners are not finite are left out.
+  /// Triangles with indices out of range or corners that are not finite are skipped.
   void setBody(const BodyDescription& body);
-  /// A body that these carry (BodyBinding) is drawn where they are, and not where the head is.
+  /// Obstacles that carry the body (BodyBinding): such a body is drawn at their poses, not at the head's.
   void setObstacles(std::span<const HairObstacle> obstacles);
-  /// For the pictures from now on.
+  /// Sets the colliders' poses for the following pictures.
   void place(std::span<const PlacedCollider> colliders);
-  /// Which are none at first.
+  /// Recompiles the shaders for these lights; initially none.
   void setLights(const LightCounts& lights);
-  /// Of the body with its head at rest, or where its colliders are; empty without a body.
+  /// Bounds of the body with its head at rest, or at its colliders' poses, m, world; empty without a body.
   const Box& bounds() const { return bounds_; }
 
-  void drawDepth(const Pose& head, size_t light) const;  ///< from a light of SceneBlock::lights
+  void drawDepth(const Pose& head, size_t light) const;  ///< `light`: index in SceneBlock::lights
+  /// Draw into the bound framebuffer, with the bound scene block and shadow maps. `head`: pose of the head.
   void drawBackground() const;
   void drawBody(const Pose& head) const;
   void drawGround() const;
@@ -48,7 +49,7 @@ class BodyPass {
   gl::Buffer vertices_, indices_;
   GLuint empty_vertices_ = 0, mesh_ = 0;
   GLsizei index_count_ = 0;
-  std::vector<Vertex> rest_;  ///< of the body as it was given
+  std::vector<Vertex> rest_;  ///< the body as given
   std::vector<std::array<uint32_t, 3>> triangles_;
   std::vector<BodyPart> parts_;
   BodyBinding binding_;

@@ -24,7 +24,7 @@ Eigen::Matrix4f viewMatrix(const Vec3& eye, const Vec3& target, const Vec3& want
   Vec3 back = eye - target;
   back = back.norm() > 1e-9f ? Vec3(back.normalized()) : Vec3(Vec3::UnitZ());
   Vec3 right = wanted_up.cross(back);
-  if (!(right.norm() > 0.0447f * wanted_up.norm()))  // within 2.5 degrees of the view
+  if (!(right.norm() > 0.0447f * wanted_up.norm()))  // less than 2.5 degrees (tangent) from the view axis
     right = (std::abs(back.z()) < 0.9f ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::UnitY())).cross(back);
   right.normalize();
   Eigen::Matrix4f view = Eigen::Matrix4f::Identity();

@@ -5,22 +5,24 @@
 
 namespace strandcast {
 
+/// A perspective camera, in world space.
 struct Camera {
   Vec3 eye{0.35f, 0.1f, 0.9f};  ///< m
   Vec3 target{0, -0.08f, 0};    ///< m
   float vertical_fov = 0.6f;    ///< rad
-  Vec3 up{0, 1, 0};             ///< of the picture, any length
+  Vec3 up{0, 1, 0};             ///< up direction of the picture, any length
 };
 
-/// Orbits `box`: azimuth 0 looks at the face (towards -Z), growing towards +X; elevation above the horizon,
-/// up to straight above, where the azimuth still turns the picture; radians. At zoom 1 the box's bounding
+/// Orbits `box`. Azimuth, rad: 0 looks at the face (towards -Z), growing towards +X. Elevation, rad, above
+/// the horizon, up to straight above, where the azimuth rotates the picture. At zoom 1 the box's bounding
 /// sphere fills the picture's height; larger is nearer.
 Camera orbit(const Box& box, float azimuth, float elevation, float zoom);
 
-/// World to eye space, the eye looking along -Z with Y up; another way is up where `up` is along the view.
+/// World to eye space: the eye looks along -Z with Y up. Where `up` is parallel to the view, another
+/// direction is chosen.
 Eigen::Matrix4f viewMatrix(const Vec3& eye, const Vec3& target, const Vec3& up = Vec3::UnitY());
 Eigen::Matrix4f viewMatrix(const Camera& camera);
-/// Eye to clip space, OpenGL depth -1 to 1.
+/// Eye to clip space, OpenGL depth range -1 to 1.
 Eigen::Matrix4f perspective(float vertical_fov, float aspect, float near_plane, float far_plane);
 
 }  // namespace strandcast

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "groom/groom_file.h"
+#include "io/groom_file.h"
 #include "kernels/scalar_double.h"
 
 namespace strandcast {
@@ -18,12 +18,13 @@ namespace {
 namespace f64 = kernels::f64;
 using Vec = Eigen::Vector3d;
 
-constexpr size_t kLeastVertices = 5;  // or a cubic goes through all
+constexpr size_t kLeastVertices = 5;  // with fewer, a cubic interpolates all vertices
 
 f64::real3 lanes(const Vec& v) { return {v.x(), v.y(), v.z()}; }
 Vec vector(const f64::real3& v) { return {v.x, v.y, v.z}; }
 
-/// A smooth curve through the vertices at equal parts of the length, as guides are (render/guide_nodes.h).
+/// Samples a smooth curve through the vertices at equal parts of its length, the spline of
+/// render/guide_nodes.h.
 std::vector<Vec> resampled(std::span<const Vec3> strand, int parts) {
   const size_t n = strand.size();
   std::vector<double> knots(n, 0);
@@ -47,7 +48,7 @@ std::vector<Vec> resampled(std::span<const Vec3> strand, int parts) {
   return points;
 }
 
-/// Of u, u^2 and u^3: root + coefficients * these is the axis.
+/// Coefficients of u, u^2 and u^3: root + coefficients * (u, u^2, u^3) is the axis.
 Eigen::Matrix3d axisThrough(const std::vector<Vec>& points) {
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixX3d powers(n, 3), offsets(n, 3);
@@ -59,7 +60,7 @@ Eigen::Matrix3d axisThrough(const std::vector<Vec>& points) {
   return powers.colPivHouseholderQr().solve(offsets).transpose();
 }
 
-/// Turns about (0, 0), whichever way; where the curl is small it has no direction.
+/// Absolute turns about (0, 0), skipping samples near it, which have no reliable direction.
 float turnsOf(const CurlExample& curl) {
   double turns = 0, last = 0;
   bool any = false;
@@ -92,7 +93,7 @@ CurlExample curlOf(std::span<const Vec3> strand, const std::string& where) {
   const Eigen::Matrix3d axis = axisThrough(points);
   const auto at = [&](double u) { return Vec(points[0] + axis * Vec(u, u * u, u * u * u)); };
   const auto tangentAt = [&](double u) { return Vec(axis * Vec(1, 2 * u, 3 * u * u)).normalized(); };
-  std::vector<double> run{0};  // of the axis's length
+  std::vector<double> run{0};  // arc length of the axis
   for (int i = 1; i <= kParts; ++i)
     run.push_back(run.back() + (at(static_cast<double>(i) / kParts) - at((i - 1.0) / kParts)).norm());
   const double axis_length = run.back();
@@ -101,7 +102,7 @@ CurlExample curlOf(std::span<const Vec3> strand, const std::string& where) {
 
   Vec tangent = tangentAt(0), normal = tangent.unitOrthogonal();
   std::vector<Eigen::Vector2d> offsets;
-  std::vector<double> along;  // the axis; where the strand turns back it stays
+  std::vector<double> along;  // position along the axis; made monotonic where the strand turns back
   for (int i = 0; i <= kParts; ++i) {
     const double u = static_cast<double>(i) / kParts;
     if (i > 0) {
@@ -118,7 +119,7 @@ CurlExample curlOf(std::span<const Vec3> strand, const std::string& where) {
 
   CurlExample curl{};
   curl.axis_length = static_cast<float>(axis_length);
-  for (size_t i = 0, k = 0; i <= kParts; ++i) {  // from parts of the strand to parts of the axis
+  for (size_t i = 0, k = 0; i <= kParts; ++i) {  // resamples from parts of the strand to parts of the axis
     const double wanted = axis_length * static_cast<double>(i) / kParts;
     while (k + 2 < along.size() && along[k + 1] <= wanted) ++k;
     const double part = std::clamp((wanted - along[k]) / std::max(along[k + 1] - along[k], 1e-15), 0.0, 1.0);

@@ -8,29 +8,28 @@
 
 namespace strandcast {
 
-/// The curl of one strand, to be laid on grown hair: how far the strand is beside its smoothed axis, at equal
-/// parts u of the axis's length and in parts of it. The axis is the cubic curve through the root that is
-/// nearest to the strand (least squares), so that what bends no more often than that is shape and stays the
-/// guides'. "Beside" is along the normal and binormal of the axis's twist-free frame (kernels/hair.h,
-/// carriedNormal); what lies along the axis is left out, so a strand that turns back on itself loses its
-/// loops.
+/// The curl of one strand, to be applied to grown hair: its offset from its smoothed axis, sampled at equal
+/// parts u of the axis's length and divided by that length. The axis is the least squares cubic through the
+/// root; slower bends than that are the guides' shape, not curl. Offsets are along the normal and binormal of
+/// the axis's twist-free frame (kernels/hair.h, carriedNormal). The component along the axis is omitted, so a
+/// strand that turns back on itself loses its loops.
 struct CurlExample {
   static constexpr int kParts = 256;
   struct Sample {
-    float x, y;              ///< along normal and binormal, parts of the axis's length; 0 at the root
-    float slope_x, slope_y;  ///< by u
+    float x, y;              ///< along normal and binormal, over the axis's length; 0 at the root
+    float slope_x, slope_y;  ///< derivatives with respect to u
   };
   std::array<Sample, kParts + 1> samples;
   float axis_length;  ///< in the strand's unit
-  float reach;        ///< the farthest sample, part of the axis's length
-  float turns;        ///< about the axis, whichever way; a wave to and fro counts as one
+  float reach;        ///< largest offset of a sample, over the axis's length
+  float turns;        ///< absolute turns about the axis; a planar wave counts one per period
 };
 
-/// Throws Error, naming `where`, for a strand of fewer than 5 vertices, or whose vertices are not finite, or
-/// that has no length.
+/// Throws Error, naming `where`, for a strand of fewer than 5 vertices, with vertices that are not finite, or
+/// without length.
 CurlExample curlOf(std::span<const Vec3> strand, const std::string& where);
-/// Of strand `strand`, from 0 on, of a groom file (groom/groom_file.h). Throws Error as readRawGroom, and
-/// where the file has no such strand.
+/// The curl of strand `strand`, from 0, of a groom file (io/groom_file.h). Throws Error as readRawGroom()
+/// and curlOf(), and where the file has no such strand.
 CurlExample readCurlExample(const std::filesystem::path& file, size_t strand);
 
 }  // namespace strandcast

@@ -5,11 +5,11 @@
 
 namespace strandcast {
 
-/// A texture of one level; needs a current context for its whole life.
+/// A texture with one mip level; needs a current context for its whole life.
 class Texture {
  public:
   Texture() = default;
-  /// An array of so many where `slices` is more than 0.
+  /// `slices` above 0: an array texture of that many.
   Texture(GLenum format, int width, int height, GLenum filter, int slices = 0);
   ~Texture() {
     if (id_ != 0) glDeleteTextures(1, &id_);
@@ -25,14 +25,14 @@ class Texture {
   GLuint id_ = 0;
 };
 
-/// A framebuffer over textures, any of which may be null. Throws Error when the device refuses it.
+/// A framebuffer over textures, any of which may be null. Throws Error where the device rejects it.
 class Framebuffer {
  public:
   Framebuffer() = default;
   Framebuffer(const Texture* color, const Texture* depth);
-  /// Over `count` slices of an array from `first` on, a colour each.
+  /// Attaches `count` slices of an array from `first` as colours, one each.
   static Framebuffer ofColors(const Texture& slices, int first, int count);
-  /// Over one slice of an array of depths.
+  /// Attaches one slice of a depth array.
   static Framebuffer ofDepth(const Texture& slices, int slice);
   ~Framebuffer() {
     if (id_ != 0) glDeleteFramebuffers(1, &id_);
@@ -48,17 +48,17 @@ class Framebuffer {
   GLuint id_ = 0;
 };
 
-/// Where pictures are drawn: multisampled sRGB colour and depth, and the resolved picture.
+/// The render target of pictures: multisampled sRGB colour and depth, and the resolved picture.
 class PictureBuffer {
  public:
-  /// `samples` becomes what the device has, fewer or more (llvmpipe: 4 for 2); samples() says what it became.
+  /// `samples`: the device may round it up or down (llvmpipe: 4 for 2); samples() returns the actual number.
   PictureBuffer(int width, int height, int samples);
   ~PictureBuffer();
   PictureBuffer(const PictureBuffer&) = delete;
   PictureBuffer& operator=(const PictureBuffer&) = delete;
 
   int samples() const { return samples_; }
-  void clear() const;  ///< depth to the far end, colour to black
+  void clear() const;  ///< depth to the far plane, colour to black
   void bindForDrawing() const;
   void resolve() const;
   GLuint resolvedFramebuffer() const { return resolved_.id(); }

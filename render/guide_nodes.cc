@@ -10,9 +10,10 @@
 namespace strandcast {
 namespace {
 
-constexpr unsigned kNodeGroupSize = 32;  // as in guide_nodes.comp
+constexpr unsigned kNodeGroupSize = 32;  // must equal local_size_x of guide_nodes.comp
 
-/// Rest arc length from the root as a part of the whole, per vertex; by index when there is no length.
+/// Appends the rest arc length from the root as a fraction of the whole, per vertex; by index where there is
+/// no length.
 void appendKnots(std::span<const Vec3> points, std::vector<float>& knots) {
   const float length = arcLength(points);
   const bool measurable = std::isfinite(length) && length > 0;

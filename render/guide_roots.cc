@@ -21,7 +21,8 @@ void GuideRoots::setObstacles(std::span<const HairObstacle> obstacles) {
 }
 
 Vec3 GuideRoots::normal(size_t guide, const Vec3& root, const Pose& head) const {
-  constexpr float kSame = 1e-8f;  // m^2: where both have the root so near to where it is, it goes with parts
+  constexpr float kSame = 1e-8f;  // m^2, regularises the share; the root goes with the parts where both
+                                  // predictions match
   const Vec3 &rest = rest_[guide], with_head = head.rotate(normals_[guide]);
   const Vec3 with_parts = binding_.normal(guide, rest, normals_[guide]);
   const float off_head = (root - head.apply(rest)).squaredNorm(),

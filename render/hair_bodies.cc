@@ -9,8 +9,8 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kBodyGroupSize = 64;  // as in hair_bodies.comp
-constexpr float kMostStretch = 1e6f;   // of a bend that is heeded: from there on it is damaged
+constexpr size_t kBodyGroupSize = 64;  // must equal local_size_x of hair_bodies.comp
+constexpr float kMostStretch = 1e6f;   // largest stretch of a valid bend; a larger one counts as damaged
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void HairBodies::place(const Pose& head, std::span<const PlacedCollider> collide
     if (bend_words_[i] == 0) continue;
     const MovingBend bend = bendOf(obstacle.shape, obstacle.bend, obstacle.bend);
     if (!(bend.stretch < kMostStretch)) continue;
-    bendWith(placed.back(), bend, bend_words_[i]);
+    applyBend(placed.back(), bend, bend_words_[i]);
     word_buffer_.write(std::span<const MovingBend>(&bend, 1), bend_words_[i] * sizeof(uint32_t));
   }
   if (!placed.empty()) body_buffer_.write(std::span<const MovingPrimitive>(placed));

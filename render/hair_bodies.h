@@ -9,48 +9,50 @@
 
 namespace strandcast {
 
-/// Of an obstacle that is no collider of a ColliderSet.
+/// Id of an obstacle that is not a collider of a ColliderSet.
 constexpr uint32_t kNoCollider = 0xFFFFFFFF;
 
 /// A body that grown hair is kept out of.
 struct HairObstacle {
-  ContactPrimitive shape;    ///< m, of the head at rest; else in the obstacle's own frame
-  bool follows_head = true;  ///< else it is where place() says, or stays
-  uint32_t collider = 0;     ///< of a ColliderSet: what place() knows it by
-  Pose pose{};               ///< of one that does not follow the head, at first
-  SurfaceBend bend{};        ///< the same, of a field
+  ContactPrimitive shape;    ///< m, in the rest frame of the head, or in the obstacle's own frame
+  bool follows_head = true;  ///< otherwise place() sets the pose, or it stays at `pose`
+  uint32_t collider = 0;     ///< id in a ColliderSet, by which place() finds it
+  Pose pose{};               ///< initial pose where it does not follow the head
+  SurfaceBend bend{};        ///< initial bend of a field
 
-  /// Whether place() may move, and bend, it.
+  /// Whether place() may move and bend it.
   bool canBend() const { return !follows_head && collider != kNoCollider && shape.field; }
 };
 
-/// Those of a skinned body.
+/// The obstacles that are parts of a skinned body.
 std::vector<BodyPart> bodyParts(std::span<const HairObstacle> obstacles);
 
-/// Keeps grown hair out of bodies as guides are already. A hair that would go into one leaves its three
-/// guides for one before, more so the deeper it would go (kernels/hair.h, closingAsked), and what is still
-/// inside is moved out along the surface's normal. Near its root a hair may be as deep as the root is.
+/// Keeps grown hair out of bodies, as the simulation keeps guides out. A hair that would enter a body follows
+/// one guide instead of three from before that point on, the more the deeper it would be (kernels/hair.h,
+/// closingAsked). A vertex that is still inside is moved out along the surface's normal. Near its root, a
+/// hair may be as deep as the root is.
 class HairBodies {
  public:
   HairBodies();
 
-  /// Throws Error where a shape is not sound.
+  /// Throws Error on an invalid shape.
   void setObstacles(std::vector<HairObstacle> obstacles);
   size_t obstacles() const { return obstacles_.size(); }
 
-  /// `colliders` that are not among the obstacles are no matter; obstacles that are not among them stay.
+  /// Sets the obstacles' poses. Colliders that are not obstacles are ignored; obstacles that are not in
+  /// `colliders` stay.
   void place(const Pose& head, std::span<const PlacedCollider> colliders = {});
-  /// For the first `hairs` of those that are bound, with the guides' nodes and GrowthBlock. Throws Error
-  /// where the device has no buffer so large.
+  /// Computes the closing of the first `hairs` hairs of the bound list. Precondition: the guides' nodes and
+  /// GrowthBlock are bound. Throws Error where the device does not allow a buffer of that size.
   void find(size_t hairs, int segments);
   void bind() const;
-  size_t bytes() const;  ///< of device memory
+  size_t bytes() const;  ///< device memory
 
  private:
   std::vector<HairObstacle> obstacles_;
   ShapeData shapes_;
-  std::vector<uint32_t> first_words_;  ///< per obstacle, in shapes_
-  std::vector<uint32_t> bend_words_;   ///< likewise of its bend; 0 = it cannot bend
+  std::vector<uint32_t> first_words_;  ///< offset per obstacle in shapes_
+  std::vector<uint32_t> bend_words_;   ///< offset of its bend; 0 = it cannot bend
   gl::Program program_;
   gl::Buffer body_buffer_, word_buffer_, hair_buffer_;
 };

@@ -28,7 +28,7 @@ HairDetail detailOfSize(std::span<const Hair> hairs, float hair_pixels, float fi
   detail.hairs = hairs.size();
   if (!(hair_pixels > 0 && finest > 0)) return detail;
   detail.threshold = hair_pixels / finest;
-  // A little below 1, so that rounding in the shader never asks for a hair that was left out.
+  // Slightly below 1, so that rounding in the shader never selects a hair that is not in the list.
   const float least = 0.999f / detail.threshold;
   const auto end = std::partition_point(hairs.begin(), hairs.end(),
                                         [&](const Hair& hair) { return detailKey(hair) >= least; });

@@ -11,7 +11,7 @@ Vec3 rootOf(const StrandSet& guides, uint32_t guide) {
   return !points.empty() && points.front().allFinite() ? points.front() : Vec3(Vec3::Zero());
 }
 
-/// Halves the guides across the longest side of their roots' box until they are few enough.
+/// Recursively halves the guides across the longest axis of their roots' box, down to kGroupGuides.
 void split(const StrandSet& guides, std::span<uint32_t> all, std::vector<uint32_t>& group_of,
            uint32_t& groups) {
   if (all.size() <= HairGroups::kGroupGuides) {
@@ -30,7 +30,7 @@ void split(const StrandSet& guides, std::span<uint32_t> all, std::vector<uint32_
   split(guides, all.subspan(half), group_of, groups);
 }
 
-/// A spline between vertices leaves their box by less than the longest edge.
+/// Bounds how far a spline may leave its vertices' box.
 float longestEdge(std::span<const Vec3> points) {
   float longest = 0;
   for (size_t i = 1; i < points.size(); ++i) longest = std::max(longest, (points[i] - points[i - 1]).norm());
@@ -70,7 +70,7 @@ HairGroups::HairGroups(const StrandSet& guides, std::span<const Hair> hairs, con
   }
 }
 
-void HairGroups::place(std::span<const Vec3> positions, const HairPlace& place, float beside) {
+void HairGroups::place(std::span<const Vec3> positions, const PlausibleBounds& place, float beside) {
   for (size_t guide = 0; guide < guide_boxes_.size(); ++guide) {
     Box& box = guide_boxes_[guide];
     box.setEmpty();

@@ -40,7 +40,7 @@ std::vector<uint8_t> usableGuides(const StrandSet& guides) {
   return usable;
 }
 
-/// A place to grow hair: between three guides, or around one where none fit together.
+/// An area where hair grows: between three guides, or around a single one that is in no triangle.
 struct Plot {
   RootTriangle triangle;
   bool lone;
@@ -54,7 +54,7 @@ std::vector<Plot> plots(const StrandSet& guides, float clump_radius) {
     for (uint32_t g : triangle.guides) covered[g] = 1;
     found.push_back({triangle, false});
   }
-  // Three times the disc, as inner triangles are there three times too.
+  // Three times the disc, because inner triangles appear three times, too.
   const float disc = 3 * std::numbers::pi_v<float> * clump_radius * clump_radius;
   for (uint32_t g = 0; g < guides.strands(); ++g)
     if (usable[g] != 0 && covered[g] == 0)
@@ -84,9 +84,9 @@ void setOffset(Hair& hair, float radius, RandomStream& random) {
   hair.offset[1] = r * std::sin(angle);
 }
 
-/// Where guides part: the hair keeps its root, seen from the nearest guide's frame, and follows that guide
-/// alone, closing in on it as on others. What lies along the guide is left out, as it would only slide the
-/// hair along itself.
+/// For guides that part: the hair keeps its root, as an offset in the nearest guide's frame, and follows that
+/// guide alone. Its clump closes the offset towards the tip. The component along the guide is dropped,
+/// because it would only slide the hair along itself.
 void placeBeside(Hair& hair, const StrandSet& guides) {
   const auto points = guides.strand(hair.guides[0]);
   Vec3 from_guide = Vec3::Zero();
@@ -98,7 +98,7 @@ void placeBeside(Hair& hair, const StrandSet& guides) {
   hair.beside[1] = from_guide.dot(frame.binormal);
 }
 
-/// The same for all hairs that close in on a guide, so that locks differ and their curls keep together.
+/// Equal for all hairs that follow the same guide 0, so that locks differ from each other but stay coherent.
 RandomStream lockStream(uint32_t guide, uint64_t seed) {
   return RandomStream(seed ^ (guide * 0x2545f4914f6cdd1du));
 }
@@ -114,7 +114,8 @@ void setCurl(Hair& hair, const StrandSet& guides, const HairGrowth& growth, Rand
   hair.curl_phase = lock.uniform() + random.between(-0.1f, 0.1f);
 }
 
-/// Every hair draws the same numbers in the same order, whatever becomes of them.
+/// Every hair draws the same number of random values in the same order, so that a setting changes only what
+/// it controls.
 Hair growOne(const Plot& plot, const StrandSet& guides, const HairGrowth& growth, RandomStream& random) {
   const bool combined = growth.interpolation == Interpolation::kCombined;
   Hair hair{};
@@ -161,8 +162,8 @@ std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
   std::vector<double> area_up_to;
   double mean = 0;
   for (const Plot& plot : ground) mean += plot.triangle.area / static_cast<double>(ground.size());
-  // Half by area, which keeps the scalp evenly covered; half by guide, as a lock that springs from one spot
-  // (a ponytail) has many guides on little area.
+  // Half by area, for an even scalp; half by guide, because a lock that springs from one spot (a ponytail)
+  // has many guides on a small area.
   double area = 0;
   for (const Plot& plot : ground) area_up_to.push_back(area += 0.5 * (plot.triangle.area + mean));
 
@@ -173,7 +174,7 @@ std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
   hairs.reserve(growth.hairs);
   for (size_t i = 0; i < growth.hairs; ++i) {
     RandomStream random(growth.seed * 0xd1342543de82ef95u + (i + 1) * 0xaf251af3b0f025b5u);
-    // Stratified over the area; the golden ratio spreads the dither evenly among hairs that stand together.
+    // Stratified over the area; the golden ratio sequence spreads dither evenly among neighbouring hairs.
     const double at = area * (static_cast<double>(i) + random.uniform()) / static_cast<double>(growth.hairs);
     const size_t plot = std::upper_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin();
     const float kept = random.uniform();

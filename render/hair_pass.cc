@@ -10,15 +10,15 @@ namespace strandcast {
 namespace {
 
 constexpr size_t kHairsPerPatch = 64, kSegmentsPerPatch = 64;  // as in hair.tesc
-// Mesa's software pipeline spends time with the square of a draw's vertices; other drivers do not mind the
-// short draws.
+// Mesa's software pipeline takes time quadratic in a draw's vertices; other drivers handle short draws
+// equally well.
 constexpr size_t kPatchesPerDraw = 8;
 
 unsigned segmentsOf(const GuideNodes& nodes, int node_stride) {
   return static_cast<unsigned>((nodes.segments() + node_stride - 1) / node_stride);
 }
 
-/// The last stage is the fragment shader, which has to know how it is lit too.
+/// Adds the defines to the fragment shader, the last stage, which shades too.
 std::vector<gl::ShaderStage> colored(std::vector<gl::ShaderStage> stages, const std::string& defines) {
   stages.back().defines = defines;
   return stages;

@@ -13,9 +13,9 @@
 
 namespace strandcast {
 
-/// Grows hairs from guide nodes and draws them. By kCompute they are grown once per picture and every pass
-/// reads them; by kTessellator every pass grows them again, by isoline tessellation, 64 hairs of up to 64
-/// segments a patch, which draws lines only.
+/// Grows hairs from guide nodes and draws them. With kCompute they are grown once per picture, and every pass
+/// reads them. With kTessellator every pass grows them again by isoline tessellation, 64 hairs of up to 64
+/// segments a patch; it draws only lines.
 class HairPass {
  public:
   HairPass(GrowthPath path, HairGeometry geometry, HairShading shading = HairShading::kVertex,
@@ -25,43 +25,43 @@ class HairPass {
   HairPass& operator=(const HairPass&) = delete;
 
   void setLights(const LightCounts& lights);
-  /// Of `growth` what all hairs have in common counts.
+  /// Of `growth`, only the parameters common to all hairs are used.
   void setHairs(std::vector<Hair> hairs, const HairGrowth& growth);
-  /// Which of the hairs a picture is of, in the order in which it draws them: HairDetail::hairs counts them
-  /// from the first of these. All, as they were set, until this is called.
+  /// Selects the hairs of a picture and their order; HairDetail::hairs counts from the first of these.
+  /// Initially all, in their given order.
   void select(std::span<const uint32_t> hairs);
-  /// What the hair is kept out of and how far, m.
+  /// The bodies that the hair is kept out of, and the clearance, m.
   HairBodies& bodies() { return bodies_; }
-  /// Or lets it in: then they are only there for marks.
+  /// Whether hair is kept out of bodies; otherwise they serve only for marks.
   void keepOut(bool keep) { keep_out_ = keep; }
   void setClearance(float clearance) { block_.clearance = clearance; }
   const std::vector<Hair>& hairs() const { return hairs_; }
   HairDetail all() const { return detailOfPart(hairs_, 1); }
 
-  /// Once per picture, before it draws; `detail` holds what any pass will draw.
+  /// Call once per picture before drawing; `detail` must cover what any pass draws.
   void grow(const GuideNodes& nodes, const HairDetail& detail);
-  /// Depth of the hair nearest to a light of SceneBlock::lights.
-  /// `line`: texels that a hair is wide in the map, 1 or more.
+  /// Draws the depth of the hair nearest to a light of SceneBlock::lights. `line`: width of a hair in the
+  /// map, texels, at least 1.
   void drawFront(const GuideNodes& nodes, const HairDetail& detail, size_t light, float line = 1) const;
   void drawOpacity(const GuideNodes& nodes, const HairDetail& detail, size_t light, int map_size,
                    float line = 1) const;
   void drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const;
 
-  /// With any program of grownStages or tessellatedStages, as the path is.
+  /// `program`: any program of grownStages() or tessellatedStages(), matching the path.
   void draw(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail, bool strips) const;
-  /// Makes `program` (of tessellatedStages) current with the buffers and uniforms for what `detail` has.
+  /// Makes `program` (of tessellatedStages()) current with the buffers and uniforms for `detail`.
   void bind(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail) const;
   void drawPatches(const GuideNodes& nodes, const HairDetail& detail) const;
-  /// Binds guides, hairs and all obstacles, whether hair is kept out of them or not, until hair is drawn.
+  /// Binds guides, hairs and all obstacles, even where hair is not kept out of them, until hair is drawn.
   void bindForMarks(const GuideNodes& nodes);
-  /// Grown last, by kCompute.
+  /// The vertices grown last, with kCompute.
   const HairVertices& vertices() const { return vertices_; }
   size_t bytes() const {
     return hair_buffer_.bytes() + list_buffer_.bytes() + vertices_.bytes() + bodies_.bytes();
-  }  ///< of device memory
+  }  ///< device memory
 
  private:
-  /// With a fragment shader each, for the path that was chosen.
+  /// One per fragment shader, for the chosen path.
   struct Programs {
     gl::Program front, opacity, color;
   };
@@ -85,9 +85,9 @@ class HairPass {
   GLuint empty_vertices_ = 0;
 };
 
-/// The stages that read hair grown before; `defines` as hair_strand.vert lists them.
+/// The stages that read grown hair; `defines` are listed in hair_strand.vert.
 std::vector<gl::ShaderStage> grownStages(const std::string& defines, const char* fragment);
-/// The stages that grow hair on the tessellator; `defines` as hair.tese lists them. `fragment` may be null.
+/// The stages that grow hair on the tessellator; `defines` are listed in hair.tese. `fragment` may be null.
 std::vector<gl::ShaderStage> tessellatedStages(const char* defines, const char* fragment);
 
 }  // namespace strandcast

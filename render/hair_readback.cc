@@ -34,7 +34,7 @@ std::vector<GrownVertex> readTessellated(const HairPass& pass, const GuideNodes&
   const gl::Buffer target(detail.hairs * segments * 2 * sizeof(float[8]), nullptr, GL_DYNAMIC_STORAGE_BIT);
   GLuint query = 0;
   glGenQueries(1, &query);
-  // Drawing wants a framebuffer even when nothing is rasterised.
+  // OpenGL requires a framebuffer even where nothing is rasterised.
   const Texture nowhere(GL_RGBA8, 16, 16, GL_NEAREST);
   const Framebuffer framebuffer(&nowhere, nullptr);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());

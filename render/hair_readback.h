@@ -5,7 +5,7 @@
 
 namespace strandcast {
 
-/// A vertex of a grown hair, read back from the device.
+/// A vertex of grown hair, read back from the device.
 struct GrownVertex {
   Vec3 position;  ///< m
   uint32_t hair;
@@ -13,10 +13,10 @@ struct GrownVertex {
   uint32_t node;
 };
 
-/// What the compute shader grew last with this node stride: hair after hair, root to tip, counted as they are
-/// drawn.
+/// The vertices that the compute shader grew last with this node stride: hair after hair in draw order, root
+/// to tip.
 std::vector<GrownVertex> readComputed(const HairPass& pass, const GuideNodes& nodes, int node_stride);
-/// What the tessellator grows, by transform feedback: two vertices a line, lines in no certain order.
+/// The vertices that the tessellator grows, by transform feedback: two per line, lines in unspecified order.
 std::vector<GrownVertex> readTessellated(const HairPass& pass, const GuideNodes& nodes,
                                          const HairDetail& detail);
 

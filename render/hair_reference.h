@@ -7,20 +7,20 @@
 
 namespace strandcast {
 
-/// Hairs grown on the CPU in double precision with the same kernel text as the shaders (kernels/hair.h): what
-/// validation holds them against. Slow.
+/// Hairs grown on the CPU in double precision with the same kernel source as the shaders (kernels/hair.h):
+/// the reference of validation. Slow.
 class HairReference {
  public:
-  /// `positions` as a frame has them, of all guides' vertices. Guides that have no curve give zeros.
+  /// `positions`: vertices of all guides, as in a frame. Guides without a curve give zeros.
   HairReference(const StrandSet& rest_guides, std::span<const Vec3> positions, int segments);
 
   struct Vertex {
     Eigen::Vector3d position;  ///< m
     Eigen::Vector3d tangent;   ///< unit
   };
-  /// A vertex at node 0 to `segments`; away from bodies. `growth`: what the hair was grown with.
+  /// The vertex at node 0 to `segments`, without bodies. `growth`: the parameters of the hair's growth.
   Vertex at(const Hair& hair, const HairGrowth& growth, int node) const;
-  /// Length of the guide that a hair follows most, of its chords between nodes, m.
+  /// Length of the hair's guide 0 as the sum of chords between nodes, m.
   double guideLength(const Hair& hair) const;
 
  private:

@@ -8,7 +8,7 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kGrowthGroupSize = 256;  // as in hair_growth.comp
+constexpr size_t kGrowthGroupSize = 256;  // must equal local_size_x of hair_growth.comp
 constexpr size_t kVertexBytes = 2 * sizeof(float[4]);
 
 size_t mostVertices() {
@@ -30,7 +30,7 @@ HairVertices::HairVertices()
 
 void HairVertices::makeRoom(size_t count, int most_nodes) {
   if (most_nodes == most_nodes_ && count <= room_) return;
-  // Half as much again as it had, so that going nearer does not make new room at every picture.
+  // Grows by half, so that approaching the hair does not reallocate at every picture.
   count = std::max(count, most_nodes == most_nodes_ ? room_ + room_ / 2 : 0);
   chunks_.clear();
   room_ = count;

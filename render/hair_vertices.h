@@ -8,12 +8,12 @@
 
 namespace strandcast {
 
-/// Hairs grown by a compute shader, once per picture for all passes. Every vertex is two vec4: position (w:
-/// the part of the hair's length behind it) and unit tangent (w: 1 where all its guides are usable); vertices
-/// of a hair follow each other from the root on, hairs as they were given.
+/// Hairs grown by a compute shader, once per picture for all passes. A vertex is two vec4: position (w:
+/// fraction of the hair's length up to it) and unit tangent (w: 1 where all its guides are usable). Vertices
+/// of a hair are contiguous from the root on; hairs are in their given order.
 class HairVertices {
  public:
-  /// A buffer holds as many hairs as the device allows; there are as many buffers as it takes.
+  /// A buffer holds as many hairs as the device allows; there are as many buffers as needed.
   struct Chunk {
     size_t first, hairs;
     gl::Buffer vertices;
@@ -21,14 +21,15 @@ class HairVertices {
 
   HairVertices();
 
-  /// Grows the first `count` of the hairs that are bound with a vertex at every `node_stride`-th node, kept
-  /// out of bodies where `bodies` says so. The guides' nodes, hairs and GrowthBlock are bound.
+  /// Grows the first `count` of the bound hairs with a vertex at every `node_stride`-th node, and keeps them
+  /// out of bodies where `bodies` is set. Precondition: the guides' nodes, the hairs and GrowthBlock are
+  /// bound.
   void grow(size_t count, int segments, int node_stride, bool bodies);
 
   const std::vector<Chunk>& chunks() const { return chunks_; }
-  size_t hairs() const { return hairs_; }  ///< grown last
+  size_t hairs() const { return hairs_; }  ///< number grown last
   int nodesPerHair() const { return nodes_per_hair_; }
-  size_t bytes() const;  ///< of device memory
+  size_t bytes() const;  ///< device memory
 
  private:
   void makeRoom(size_t count, int most_nodes);

@@ -13,7 +13,7 @@ std::string lightDefines(const LightCounts& counts) {
 ConeCosines coneCosines(const Light& light) {
   if (light.kind != LightKind::kSpot) return {-2, -3};
   const float outer = std::cos(light.cone), inner = std::cos(light.cone * (1 - light.cone_edge));
-  return {std::max(inner, outer + 1e-6f), outer};  // an edge without width is sharp
+  return {std::max(inner, outer + 1e-6f), outer};  // a cone without a soft edge is sharp
 }
 
 }  // namespace strandcast

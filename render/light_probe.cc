@@ -40,7 +40,7 @@ std::vector<LightFragment> LightProbe::fragments(int map_size, size_t light) {
   glViewport(0, 0, map_size, map_size);
   glDisable(GL_DEPTH_TEST);
   std::vector<LightFragment> found;
-  // Once to count them, once to have them.
+  // A first pass counts the fragments, a second one stores them.
   for (uint32_t room = 0, count = 1; count > room || found.empty();) {
     const uint32_t head[4] = {0, room, 0, 0};
     gl::Buffer list(sizeof head + room * sizeof(LightFragment), nullptr, GL_DYNAMIC_STORAGE_BIT);

@@ -7,34 +7,34 @@
 
 namespace strandcast {
 
-/// A piece of a hair in a texel of the opacity map.
+/// A fragment of a hair in a texel of the opacity map.
 struct LightFragment {
-  float x, y;           ///< texel
-  float depth;          ///< 0 to 1, of the light's depth range
-  float optical_depth;  ///< of this piece
+  float x, y;           ///< texels
+  float depth;          ///< 0 to 1, in the light's depth range
+  float optical_depth;  ///< of this fragment
 };
 
-/// What the maps say about a point.
+/// The maps' values at a point.
 struct LightAnswer {
   float behind;         ///< m, behind the front of the hair
   float optical_depth;  ///< of the hair between the light and the point
 };
 
-/// A groom at rest and the light's maps of it, read back: for validation. Needs a current context.
+/// A groom at rest and the light's maps of it, read back for validation. Needs a current context.
 class LightProbe {
  public:
-  /// Of the settings, growth, hair_width, segments and lights count, all of which cast shadows.
+  /// Uses the settings growth, hair_width, segments and lights; all lights cast shadows.
   LightProbe(const StrandSet& guides, const RenderSettings& settings);
 
-  /// Every piece of hair that an opacity map of so many texels adds up, in no certain order: what is exact
-  /// along the rays of that light.
+  /// Every hair fragment that an opacity map of `map_size` texels accumulates, in unspecified order: the
+  /// exact data along the light's rays.
   std::vector<LightFragment> fragments(int map_size, size_t light = 0);
-  /// Draws the maps of all lights and asks that one's, by the shaders' own look-up, at points in its
-  /// coordinates (0 to 1).
+  /// Draws the maps of all lights and evaluates those of `light`, by the shaders' own look-up, at points in
+  /// its coordinates (0 to 1).
   std::vector<LightAnswer> ask(const OpacityLayers& layers, std::span<const Vec3> points, size_t light = 0);
-  /// m, of the light's coordinates from 0 to 1.
+  /// m, for the light's depth coordinate from 0 to 1.
   float depthRange(size_t light = 0) const { return block_.lights[light].way.w(); }
-  /// Tangent of half the angle that the maps of a light with a place take in.
+  /// Tangent of half the view angle of the maps of a light with a position.
   float slope(size_t light = 0) const {
     return 1 / block_.lights[light].view_projection.block<1, 3>(0, 0).norm();
   }

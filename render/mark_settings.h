@@ -2,10 +2,10 @@
 
 namespace strandcast {
 
-/// What a picture shows for those who look for faults.
+/// Diagnostic marks over a picture.
 struct MarkSettings {
-  bool guides = false;    ///< the guides' curves, a colour each
-  bool tangents = false;  ///< of guides, 1 cm long; red, green, blue as they lie along x, y, z
+  bool guides = false;    ///< the guides' curves, one colour each
+  bool tangents = false;  ///< of guides, 1 cm long; red, green and blue are the x, y and z components
   bool collided = false;  ///< vertices of guides that touch an obstacle: yellow, red inside
   bool inside = false;    ///< vertices of grown hair inside an obstacle (kCompute only)
 

@@ -8,7 +8,7 @@ namespace strandcast {
 namespace {
 
 constexpr float kTangentLength = 0.01f, kPointPixels = 5, kInsidePixels = 3;
-constexpr float kInsideSlack = 1e-5f;  // m, so that rounding marks nothing
+constexpr float kInsideSlack = 1e-5f;  // m, tolerance for rounding
 
 gl::Program program(const char* name, const char* defines) {
   return {name,

@@ -6,7 +6,7 @@
 
 namespace strandcast {
 
-/// Draws marks over a picture; they hide behind what is nearer.
+/// Draws marks over a picture, with depth test.
 class Marks {
  public:
   Marks();
@@ -14,7 +14,7 @@ class Marks {
   Marks(const Marks&) = delete;
   Marks& operator=(const Marks&) = delete;
 
-  /// `reach`: how near counts as touching, m. The hair was grown for this picture.
+  /// `reach`: distance that counts as touching, m. Precondition: the hair was grown for this picture.
   void draw(const MarkSettings& marks, const GuideNodes& nodes, HairPass& hair, float reach) const;
 
  private:

@@ -34,7 +34,7 @@ HairGrowth clipped(const HairGrowth& growth) {
   return g;
 }
 
-/// The number of layers falls to the next that there is.
+/// Rounds the number of layers down to a supported one.
 OpacityLayers clipped(const OpacityLayers& layers) {
   const OpacityLayers fallback;
   OpacityLayers o = layers;
@@ -45,7 +45,7 @@ OpacityLayers clipped(const OpacityLayers& layers) {
   return o;
 }
 
-/// The direction becomes unit.
+/// Normalises the direction.
 Light clipped(const Light& light) {
   const Light fallback;
   Light l = light;

@@ -13,22 +13,22 @@
 #include "render/framebuffer.h"
 #include "render/hair_groups.h"
 #include "render/hair_pass.h"
-#include "render/hair_place.h"
 #include "render/marks.h"
 #include "render/pass_clock.h"
+#include "render/plausible_bounds.h"
 #include "render/shadow_maps.h"
 #include "render/view_volume.h"
 
 namespace strandcast {
 namespace {
 
-constexpr double kLengthKept = 0.99;  // of hair of fewer segments
+constexpr double kLengthKept = 0.99;  // least fraction of the hair's length that fewer segments must keep
 constexpr float kTouching = 5e-5f;    // m, beyond its radius, at which a guide counts as touching
-constexpr float kBelowHair = 0.05f;   // m, times scale(), of the ground below hair at rest
-constexpr float kSmall = 0.1f;        // m, what is smaller than that across
-constexpr float kShadowHairs = 8;     // times as many cast shadows as are drawn, up to all
+constexpr float kBelowHair = 0.05f;   // m, times scale(): the ground below hair at rest
+constexpr float kSmall = 0.1f;        // m, size below which fixed lengths are scaled
+constexpr float kShadowHairs = 8;     // ratio of shadow-casting to drawn hairs, limited by all
 
-Box boundsOf(std::span<const Vec3> positions, const HairPlace& place) {
+Box boundsOf(std::span<const Vec3> positions, const PlausibleBounds& place) {
   Box box;
   for (const Vec3& p : positions)
     if (place.holds(p)) box.extend(Eigen::Vector3f(p));
@@ -48,7 +48,7 @@ Box moved(const Box& box, const Pose& pose) {
   return result;
 }
 
-/// As few segments as leave hair its length, and with it the area that it covers, and eight a turn of a curl.
+/// The fewest segments that keep the hair's length, and so its covered area, and eight per turn of a curl.
 int leastSegments(const StrandSet& guides, const RenderSettings& settings, const std::vector<Hair>& hairs) {
   float turns = settings.growth.curl_example ? settings.growth.curl_example->turns : 0;
   for (const Hair& hair : hairs)
@@ -60,7 +60,7 @@ int leastSegments(const StrandSet& guides, const RenderSettings& settings, const
   return least;
 }
 
-/// Both paths read buffers in a stage where a device need not be able to.
+/// Both paths need storage buffers in a stage for which OpenGL does not require them.
 void requireBuffers(GrowthPath path) {
   const bool tessellator = path == GrowthPath::kTessellator;
   GLint blocks = 0;
@@ -75,7 +75,7 @@ void requireBuffers(GrowthPath path) {
         tessellator ? "grow it in compute" : "grow it on the tessellator, or use LIBGL_ALWAYS_SOFTWARE=1");
 }
 
-/// What of the statistics a pass's time belongs to.
+/// The statistic that a pass's time is added to.
 double RenderStatistics::*sumOf(RenderPass pass) {
   switch (pass) {
     case RenderPass::kGuides:
@@ -106,13 +106,13 @@ void setPassState() {
 
 }  // namespace
 
-/// What a group of hair does for a picture.
-enum class Sight : uint8_t { kNone, kCasts, kSeen };
+/// The role of a group of hair in a picture.
+enum class Visibility : uint8_t { kCulled, kShadowOnly, kVisible };
 
-/// What the list of a picture's hairs follows from.
+/// The inputs that determine the list of a picture's hairs.
 struct Selection {
-  std::vector<Sight> sights;
-  size_t drawn = 0, shading = 0;  ///< of all hairs, by the level of detail
+  std::vector<Visibility> visibility;
+  size_t drawn = 0, shading = 0;  ///< counts before culling, by the level of detail
   bool operator==(const Selection&) const = default;
 };
 
@@ -125,8 +125,8 @@ struct Renderer::Impl {
     setSettings(clipped(wanted));
   }
 
-  /// What cannot be made throws Error and leaves all as it was, but for hair that is too much: there is none
-  /// then.
+  /// On failure throws Error and leaves everything unchanged. Exception: where the device has no memory for
+  /// the hair, there is none afterwards.
   void setSettings(const RenderSettings& next) {
     const auto changed = [&](auto... member) { return ((settings.*member != next.*member) || ...); };
     const bool first = !picture;
@@ -157,7 +157,7 @@ struct Renderer::Impl {
     if (other_lights && !other_hair) hair->setLights(counts);
     if (first || other_lights) body.setLights(counts);
 
-    // From here on nothing throws but what places hair.
+    // Below, only placeHair() may throw.
     if (other_picture) std::tie(picture, still) = std::move(next_picture);
     if (next_shadows) shadows = std::move(next_shadows);
     if (next_hair) hair = std::move(next_hair);
@@ -168,7 +168,7 @@ struct Renderer::Impl {
     if (hair_moves) placeHair();
   }
 
-  /// What is drawn into, and what makes a smaller picture of it where one is wanted.
+  /// The render target and, with supersampling, the filter that reduces it.
   using Picture = std::pair<std::unique_ptr<PictureBuffer>, std::unique_ptr<Supersampling>>;
   static Picture makePicture(const RenderSettings& next) {
     const int factor = next.supersampling;
@@ -177,7 +177,7 @@ struct Renderer::Impl {
         factor > 1 ? std::make_unique<Supersampling>(next.width, next.height, factor, next.filter) : nullptr};
   }
 
-  /// Chooses which guides each hair follows.
+  /// Grows the hair: chooses the guides that each hair follows.
   void placeHair() {
     hair->setHairs({}, settings.growth);
     nodes->setGroom(rest_guides);
@@ -188,35 +188,35 @@ struct Renderer::Impl {
     statistics.hairs_grown = hair->hairs().size();
   }
 
-  /// Where hair and body are, hair as far as it stands from its guides.
+  /// Bounds of hair and body; the guides' bounds are widened by the hairs' reach.
   Box content() const {
     Box box = boundsOf(guides, place);
     if (!box.isEmpty()) box = widened(box, groups.reach() + settings.hair_width);
     box.extend(moved(body.bounds(), head));
-    box.extend(body.bounds());  // a part of it stays
+    box.extend(body.bounds());  // a part of it may stay at rest
     return box;
   }
 
-  std::vector<Sight> sightsOfGroups() {
+  std::vector<Visibility> visibilityOfGroups() {
     if (guides.size() == nodes->vertices())
       groups.place(guides, place, settings.hair_width + 2 * settings.clearance);
     const ViewVolume view(block.view_projection);
-    std::vector<Sight> sights(groups.count(), Sight::kNone);
+    std::vector<Visibility> visibility(groups.count(), Visibility::kCulled);
     statistics.groups = groups.count();
     statistics.groups_seen = 0;
     for (size_t g = 0; g < groups.count(); ++g) {
       if (!groups.box(g).isEmpty()) {
         if (!view.misses(cornersOf(groups.box(g))))
-          sights[g] = Sight::kSeen;
+          visibility[g] = Visibility::kVisible;
         else if (castsInto(view, groups.box(g)))
-          sights[g] = Sight::kCasts;
+          visibility[g] = Visibility::kShadowOnly;
       }
-      statistics.groups_seen += sights[g] == Sight::kSeen;
+      statistics.groups_seen += visibility[g] == Visibility::kVisible;
     }
-    return sights;
+    return visibility;
   }
 
-  /// Whether what is in the box may shade what the view has.
+  /// Whether anything in the box may cast a shadow into the view.
   bool castsInto(const ViewVolume& view, const Box& box) const {
     for (size_t light = 0; light < shadows->lights(); ++light) {
       const Eigen::Vector3f beside = Eigen::Vector3f::Constant(map_widths[light] * shadows->lookUpReach());
@@ -226,12 +226,12 @@ struct Renderer::Impl {
     return false;
   }
 
-  /// Corners about a box and all the places that its shadow may fall on.
+  /// Corners whose hull contains the box and its shadow volume.
   static std::array<Eigen::Vector3f, 16> shadowOf(const Box& box, const LightBlock& light) {
     const BoxCorners corners = cornersOf(box);
     const Eigen::Vector3f from = light.place.head<3>();
     const bool placed = light.place.w() > 0;
-    // Away from a light with a place all corners go by one factor, so that what is between stays between.
+    // For a light with a position: one factor for all corners, a linear map, so the hull maps to their hull.
     const float farther = light.way.w() / std::max(box.exteriorDistance(from), 1e-3f);
     std::array<Eigen::Vector3f, 16> swept;
     for (size_t i = 0; i < 8; ++i) {
@@ -243,18 +243,18 @@ struct Renderer::Impl {
     return swept;
   }
 
-  /// Pixels across a hair of width 1 where hair in the picture is nearest to the eye.
-  float widestHair(const std::vector<Sight>& sights) const {
+  /// Width in pixels of a hair of width 1 where visible hair is nearest to the eye.
+  float widestHair(const std::vector<Visibility>& visibility) const {
     float distance = std::numeric_limits<float>::infinity();
-    for (size_t g = 0; g < sights.size(); ++g)
-      if (sights[g] == Sight::kSeen && !groups.box(g).isEmpty())
+    for (size_t g = 0; g < visibility.size(); ++g)
+      if (visibility[g] == Visibility::kVisible && !groups.box(g).isEmpty())
         distance = std::min(distance, groups.box(g).exteriorDistance(block.eye.head<3>()));
     if (!std::isfinite(distance)) distance = 1;
     return block.hair_color.w() * block.eye.w() / std::max(distance, depth_range.near);
   }
 
-  /// Pixels across lines: as the widest hair has where a guide in the picture is nearest. By the boxes they
-  /// would be far too wide as soon as the eye is near one.
+  /// Line width in pixels: that of the widest hair at the nearest visible guide vertex. Group boxes would
+  /// overestimate it for an eye near one.
   float lineWidth() const {
     float nearest = std::numeric_limits<float>::infinity();
     for (const Vec3& p : guides) {
@@ -266,8 +266,8 @@ struct Renderer::Impl {
     return std::clamp(widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
   }
 
-  /// Whole texels across lines in a light's maps of `size` texels a side: as a hair of width 1 has in the
-  /// middle of what is lit.
+  /// Line width in a light's maps of `size` texels per side, whole texels: that of a hair of width 1 at the
+  /// centre of the lit bounds.
   float lineInMap(size_t light, int size) const {
     const LightBlock& l = block.lights[light];
     float per_metre = l.cone.z() * static_cast<float>(size) / static_cast<float>(shadows->opacitySize());
@@ -276,19 +276,20 @@ struct Renderer::Impl {
     return std::clamp(std::round(width * per_metre), 1.0f, widest_line);
   }
 
-  /// The hairs of this picture: first those that are drawn, then those that only cast shadows. Both details
-  /// count them from then on.
-  void selectHairs(const std::vector<Sight>& sights) {
-    Selection wanted{settings.cull ? sights : std::vector(sights.size(), Sight::kSeen), detail.hairs,
-                     shadows->lights() > 0 ? shadow_detail.hairs : detail.hairs};
+  /// Lists the picture's hairs: drawn ones first, then those that only cast shadows. Sets the counts of both
+  /// details accordingly.
+  void selectHairs(const std::vector<Visibility>& visibility) {
+    Selection wanted{settings.cull ? visibility : std::vector(visibility.size(), Visibility::kVisible),
+                     detail.hairs, shadows->lights() > 0 ? shadow_detail.hairs : detail.hairs};
     if (wanted != selected) {
       std::vector<uint32_t> list;
       for (size_t i = 0; i < wanted.drawn; ++i)
-        if (wanted.sights[groups.groupOf(i)] == Sight::kSeen) list.push_back(static_cast<uint32_t>(i));
+        if (wanted.visibility[groups.groupOf(i)] == Visibility::kVisible)
+          list.push_back(static_cast<uint32_t>(i));
       seen_hairs = list.size();
       for (size_t i = 0; i < wanted.shading; ++i) {
-        const Sight sight = wanted.sights[groups.groupOf(i)];
-        if (sight == Sight::kCasts || (sight == Sight::kSeen && i >= wanted.drawn))
+        const Visibility own = wanted.visibility[groups.groupOf(i)];
+        if (own == Visibility::kShadowOnly || (own == Visibility::kVisible && i >= wanted.drawn))
           list.push_back(static_cast<uint32_t>(i));
       }
       computed_hairs = list.size();
@@ -300,13 +301,13 @@ struct Renderer::Impl {
     statistics.hairs_computed = computed_hairs;
   }
 
-  /// Of lengths that are fixed for what is as large as a head, for what is small.
+  /// Factor of lengths that are fixed for content the size of a head; below 1 for smaller content.
   float scale() const {
     const Box box = rest_bounds.merged(body.bounds());
     return box.isEmpty() ? 1 : std::clamp(box.diagonal().norm() / kSmall, 1e-3f, 1.0f);
   }
 
-  /// As in SceneBlock::ground: the body stands on it, and hair at rest hangs free of it.
+  /// As SceneBlock::ground: the body stands on it, and hair at rest does not touch it.
   Eigen::Vector4f ground() const {
     const Box& base = body.bounds().isEmpty() ? rest_bounds : body.bounds();
     if (base.isEmpty()) return {0, -0.5f, 0, 2};
@@ -321,7 +322,7 @@ struct Renderer::Impl {
     return {middle - radius, middle + radius};
   }
 
-  /// `widest`: pixels of a hair of width 1 where it is nearest.
+  /// `widest`: width in pixels of a hair of width 1 at its nearest point.
   HairDetail detailFor(float widest) const {
     const LevelOfDetail& wanted = settings.detail;
     const float finest =
@@ -334,7 +335,7 @@ struct Renderer::Impl {
     return chosen;
   }
 
-  /// Light reaches through many hairs, so that with as few as the eye sees its maps would be grainy.
+  /// Light passes through many hairs: with only the visible ones its maps would be noisy.
   HairDetail shadowDetailFor(const HairDetail& seen) const {
     HairDetail chosen = detailOfSize(hair->hairs(), kShadowHairs * seen.threshold, 1);
     chosen.node_stride = seen.node_stride;
@@ -370,7 +371,7 @@ struct Renderer::Impl {
     ++statistics.frames_drawn;
   }
 
-  /// What the passes of this picture have in common.
+  /// Sets the state that the passes of this picture share.
   void prepare(const Camera& camera) {
     RenderSettings large = settings;
     large.width *= settings.supersampling;
@@ -384,13 +385,13 @@ struct Renderer::Impl {
     block.ground = below;
     for (size_t light = 0; light < shadows->lights(); ++light)
       map_widths[light] = shadows->fit(block.lights[light], lit, scale());
-    const std::vector<Sight> sights = sightsOfGroups();
-    const float widest = held_width.of(widestHair(sights), settings.detail.hysteresis);
+    const std::vector<Visibility> visibility = visibilityOfGroups();
+    const float widest = held_width.of(widestHair(visibility), settings.detail.hysteresis);
     block.sampling.x() = static_cast<float>(picture->samples());
     block.sampling.z() = scale();
     detail = detailFor(widest);
     shadow_detail = shadowDetailFor(detail);
-    selectHairs(sights);
+    selectHairs(visibility);
     block.sampling.y() = lineWidth();
     scene_buffer.write(std::span<const SceneBlock>(&block, 1));
     glBindBufferBase(GL_UNIFORM_BUFFER, binding::kScene, scene_buffer.id());
@@ -483,19 +484,19 @@ struct Renderer::Impl {
   gl::Buffer scene_buffer;
   float widest_line = 1;
   StrandSet rest_guides;
-  std::vector<Vec3> guides;  // of the newest frame that fitted
+  std::vector<Vec3> guides;  // of the newest frame that matched the groom
   Pose head;
-  HairPlace place;
+  PlausibleBounds place;
   std::vector<PlacedCollider> colliders;
   Box rest_bounds;
   float longest_guide = 0;  // m
   float hair_radius = 0;    // m, of the groom
   int least_segments = 1;
-  // Of the picture that is being drawn.
+  // State of the picture in progress.
   Box lit;
   DepthRange depth_range;
   SceneBlock block{};
-  std::array<float, kMostLights> map_widths{};  // m, of each light's shadow maps at most
+  std::array<float, kMostLights> map_widths{};  // m, upper bound on the width of each light's shadow maps
   HairDetail detail, shadow_detail;
   HairGroups groups;
   Selection selected;
@@ -532,7 +533,7 @@ void Renderer::setGroom(const GroomDescription& groom) {
   }
   impl_->guides = guides.positions;
   impl_->head = Pose{};
-  impl_->place = HairPlace(guides.positions);
+  impl_->place = PlausibleBounds(guides.positions);
   impl_->rest_bounds = boundsOf(guides.positions, impl_->place);
   impl_->statistics.guides = guides.strands();
 }
@@ -569,7 +570,7 @@ Image Renderer::read() {
 
 void Renderer::present(int left, int below, int width, int height) {
   if (width <= 0 || height <= 0) return;
-  glDisable(GL_FRAMEBUFFER_SRGB);  // the picture is stored as it is shown
+  glDisable(GL_FRAMEBUFFER_SRGB);  // the picture is stored as sRGB already
   glBlitNamedFramebuffer(impl_->shownFramebuffer(), 0, 0, 0, impl_->settings.width, impl_->settings.height,
                          left, below, left + width, below + height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
 }

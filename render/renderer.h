@@ -2,64 +2,68 @@
 #include <cstdint>
 #include <memory>
 
+#include "io/image.h"
 #include "render/camera.h"
 #include "render/hair_bodies.h"
-#include "render/image.h"
 #include "render/render_settings.h"
 #include "transport/messages.h"
 
 namespace strandcast {
 
-/// A pass, and how long the device took for it in the newest picture, ms.
+/// A pass and its device time in the newest picture, ms.
 struct PassTime {
   RenderPass pass;
   double ms;
 };
 
-/// What the renderer did, since it was made unless said.
+/// Statistics since construction, unless stated otherwise.
 struct RenderStatistics {
   uint64_t frames_drawn = 0;
-  int samples = 1;  ///< per pixel, as the device has them
+  int samples = 1;  ///< per pixel, as the device rounds it
   uint64_t frames_ignored =
-      0;              ///< frames that did not fit the groom; the guides of the frame before were drawn
+      0;              ///< frames that did not match the groom; the guides of the previous frame were drawn
   size_t guides = 0;  ///< of the groom
-  size_t guides_unusable = 0;  ///< of the newest frame: not finite, so hairs that follow them are left out
+  size_t guides_unusable = 0;  ///< of the newest frame: guides that are not finite; hairs that follow them
+                               ///< are not drawn
   size_t hairs_grown = 0;      ///< of the groom
-  size_t hairs_drawn = 0;      ///< in the newest picture: others stand for those left out
-  size_t hairs_computed = 0;   ///< for it: those drawn, and those that only cast shadows into it
-  size_t groups = 0, groups_seen = 0;  ///< of hair, and those that may be in it
+  size_t hairs_drawn = 0;      ///< in the newest picture, after level of detail and culling
+  size_t hairs_computed = 0;   ///< in the newest picture: drawn hairs, and those that only cast shadows into
+                               ///< it
+  size_t groups = 0, groups_seen = 0;  ///< groups of hair, and those that may be in the picture
   int segments_drawn = 0;              ///< per hair
-  size_t device_bytes = 0;             ///< of the guides, the grown hair and the shadow maps
-  std::vector<PassTime> passes;        ///< in the order in which they were done
+  size_t device_bytes = 0;             ///< of guides, grown hair and shadow maps
+  std::vector<PassTime> passes;        ///< in their order of execution
   double guides_ms = 0, growth_ms = 0, shadow_ms = 0, body_ms = 0, hair_ms = 0,
-         resolve_ms = 0;  ///< the same, those of shadows, and of body, ground and background, added up
+         resolve_ms = 0;  ///< ms; sums of the passes: shadow_ms of both shadow passes, body_ms of body,
+                          ///< ground, background and marks
 };
 
 /// Grows hair from guides and draws it over the body, with a ground, lights and their shadow maps. Needs a
-/// current OpenGL 4.5 context for its whole life. Work in linear light, tone mapped by 1 - exp(-x), stored as
+/// current OpenGL 4.5 context for its whole life. Lighting is linear, tone mapped by 1 - exp(-x), stored as
 /// sRGB.
 class Renderer {
  public:
-  explicit Renderer(const RenderSettings& settings);  ///< throws Error when a shader does not build
+  explicit Renderer(const RenderSettings& settings);  ///< throws Error where a shader does not compile
   ~Renderer();
-  /// From the next picture on. Makes anew only what depends on what has changed.
+  /// Takes effect with the next picture. Recreates only what depends on changed settings.
   void setSettings(const RenderSettings& settings);
-  const RenderSettings& settings() const;  ///< clipped
-  /// Chooses which guides each hair follows. Call again when the groom changes. An empty groom draws no hair.
+  const RenderSettings& settings() const;  ///< clamped
+  /// Grows the hair: chooses the guides that each hair follows. Call again when the groom changes. An empty
+  /// groom draws no hair.
   void setGroom(const GroomDescription& groom);
-  /// m, that hair of the groom may stand from its guides, the mean of all.
+  /// m, distance of hairs from their guides, mean over all hairs.
   float hairReach() const;
   /// A mesh without triangles draws no body.
   void setBody(const BodyDescription& body);
-  /// Bodies that grown hair is kept out of, or that are marked where it is not; none at first. Throws Error
-  /// where a shape is not sound.
+  /// Sets the bodies that grown hair is kept out of, or that are marked; initially none. Throws Error on an
+  /// invalid shape.
   void setObstacles(std::vector<HairObstacle> obstacles);
   /// Draws into the renderer's own framebuffer. Leaves the default framebuffer bound.
   void draw(const GuideFrame& frame, const Camera& camera);
-  /// Copies the last picture out.
+  /// Reads back the newest picture.
   Image read();
-  /// Copies the last picture to a part of the default framebuffer, stretched to its size; pixels, from the
-  /// left and from below.
+  /// Scales the newest picture into a rectangle of the default framebuffer; pixels, from the lower left
+  /// corner.
   void present(int left, int below, int width, int height);
   /// Waits for the newest picture.
   RenderStatistics statistics() const;

@@ -10,12 +10,12 @@ namespace strandcast {
 namespace {
 
 constexpr size_t kNeighbors = 8;
-constexpr float kMaxGap = 2.1f;    // rad between neighbours of one triangle
+constexpr float kMaxGap = 2.1f;    // rad, between neighbours in one triangle
 constexpr float kMaxEdge = 3.5f;   // in median spacings
-constexpr float kMinAlike = 0.5f;  // cosine between directions of guides that are mixed
+constexpr float kMinAlike = 0.5f;  // cosine between directions of guides that are interpolated
 constexpr float kMaxLengthRatio = 3;
 
-/// Nearest neighbours among points, by a k-d tree laid out as a balanced ordering of indices.
+/// Nearest neighbours among points, by a k-d tree stored as a balanced ordering of indices.
 class PointTree {
  public:
   PointTree(const std::vector<Vec3>& points, std::vector<uint32_t> members)
@@ -23,7 +23,7 @@ class PointTree {
     build(0, order_.size(), 0);
   }
 
-  /// Up to `count` members nearest to point `center`, itself left out, nearest first.
+  /// Up to `count` points nearest to point `center`, nearest first, without itself.
   std::vector<uint32_t> nearest(uint32_t center, size_t count) const {
     std::vector<std::pair<float, uint32_t>> heap;
     search(0, order_.size(), 0, center, count, heap);
@@ -37,7 +37,7 @@ class PointTree {
   void build(size_t first, size_t last, int axis) {
     if (last - first < 2) return;
     const size_t middle = (first + last) / 2;
-    // Ties by index, so that the tree is the same everywhere.
+    // Ties are broken by index, so that the tree is the same on all platforms.
     std::nth_element(
         order_.begin() + first, order_.begin() + middle, order_.begin() + last, [&](uint32_t a, uint32_t b) {
           return points_[a][axis] != points_[b][axis] ? points_[a][axis] < points_[b][axis] : a < b;
@@ -88,7 +88,7 @@ bool alike(const GuideShape& a, const GuideShape& b) {
          a.length < kMaxLengthRatio * b.length && b.length < kMaxLengthRatio * a.length;
 }
 
-/// Sorts neighbours by their angle around `center` in the plane that fits them best.
+/// Sorts neighbours by their angle around `center` in their least squares plane.
 void sortByAngle(const std::vector<Vec3>& roots, uint32_t center, std::vector<uint32_t>& neighbors,
                  std::vector<float>& angles) {
   Eigen::Matrix3f spread = Eigen::Matrix3f::Zero();

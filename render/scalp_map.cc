@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/image.h"
+#include "io/image.h"
 
 namespace strandcast {
 

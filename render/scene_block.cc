@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-constexpr float kFarOverNear = 20000;                   // at most, of 24 bits of depth
+constexpr float kFarOverNear = 20000;                   // limit, for a depth buffer of 24 bits
 constexpr float kNearestFar = 1e-4f, kFarthest = 1e7f;  // m
 
 float inRange(float value, float low, float high, float fallback) {
@@ -49,7 +49,7 @@ DepthRange depthRange(const Camera& camera, float aspect, std::span<const Box> b
     farthest = std::max(farthest, off.norm());
   }
   if (farthest == 0) return {};
-  // What is nearest may be in a corner of the picture, where the way along the view is shorter.
+  // The nearest point may be in a corner of the picture, where the distance along the view axis is smaller.
   const float slope = std::tan(0.5f * camera.vertical_fov);
   const float corner = 1 / std::sqrt(1 + slope * slope * (1 + aspect * aspect));
   const float far = inRange(1.05f * farthest, kNearestFar, kFarthest, kFarthest);

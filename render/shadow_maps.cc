@@ -22,20 +22,21 @@ void setBorder(const Texture& texture, float value) {
   glTextureParameterfv(texture.id(), GL_TEXTURE_BORDER_COLOR, border);
 }
 
-/// What the light sees. Depth, the third row, is -1 to 1 before any division.
+/// The view of a light. Depth, the third row, is -1 to 1 before any division.
 struct LightView {
   Eigen::Matrix4f projection;
-  float range;     ///< m, of depth
-  float width;     ///< m, of the maps; of a light with a place 1 m from it
-  float widest;    ///< m, in their range
-  float fade = 0;  ///< part of them, from their edge on, over which shadows fade out
+  float range;     ///< m, depth range
+  float width;     ///< m, width of the maps; 1 m from a light with a position
+  float widest;    ///< m, largest width within their range
+  float fade = 0;  ///< outer fraction of the maps over which shadows fade out
 };
 
-// In steps, so that the maps do not swim while the hair moves.
+// Sizes are quantised, so that the maps do not swim while the hair moves.
 constexpr float kLargestStep = 0.05f;  // m
 constexpr float kWidestView = 1.3f;    // rad
-constexpr float kNearest = 0.01f;      // m, times the scale, in which a light with a place casts no shadow
-constexpr float kFade = 0.4f;          // of half a map that does not take in everything: its outer 10 degrees
+constexpr float kNearest = 0.01f;      // m, times the scale: near plane of a light with a position, which
+                                       // casts no shadow nearer
+constexpr float kFade = 0.4f;          // of half a map that does not cover everything: its outer 10 degrees
 
 LightView parallelView(const LightBlock& light, const Box& content, float scale, int texels) {
   const float step = kLargestStep * scale;
@@ -44,7 +45,7 @@ LightView parallelView(const LightBlock& light, const Box& content, float scale,
   const Eigen::Matrix4f turn = viewMatrix(light.way.head<3>(), Vec3::Zero());
   Eigen::Vector3f center = Eigen::Vector3f::Zero();
   if (!content.isEmpty()) center = turn.topLeftCorner<3, 3>() * content.center();
-  const float texel = 2 * radius / static_cast<float>(texels);  // on a grid of which they lie
+  const float texel = 2 * radius / static_cast<float>(texels);  // the centre is snapped to a grid of texels
   center = (center / texel).array().floor().matrix() * texel;
   Eigen::Matrix4f view = turn;
   view.block<3, 1>(0, 3) = -center;
@@ -54,7 +55,7 @@ LightView parallelView(const LightBlock& light, const Box& content, float scale,
   return {projection * view, 2 * radius, 2 * radius, 2 * radius};
 }
 
-/// `margin`: how far look-ups reach beside what is lit, over the maps' width.
+/// `margin`: reach of look-ups beside the lit bounds, over the maps' width.
 LightView perspectiveView(const LightBlock& light, const Box& content, float scale, float margin) {
   const float step = kLargestStep * scale, nearest = kNearest * scale;
   const Vec3 eye = light.place.head<3>(), axis = -light.way.head<3>();
@@ -142,7 +143,7 @@ void ShadowMaps::beginHairOpacity(size_t light) const {
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
   glBlendFunc(GL_ONE, GL_ONE);
-  // The front is read, what is drawn is not.
+  // The front is bound for reading; it is not the render target here.
   glBindTextureUnit(binding::kHairFront, front_.id());
   glBindTextureUnit(binding::kHairOpacity, 0);
 }

@@ -6,44 +6,44 @@
 
 namespace strandcast {
 
-/// What lights see: each of them solids as a depth map and hair as opacity layers behind its front (deep
-/// opacity maps, Yuksel and Keyser 2008; render/deep_opacity.h). Use, for each light: fit, then beginSolids,
-/// draw, beginHairFront, draw, beginHairOpacity, draw, end; and bindTextures for reading.
+/// The shadow maps of lights: for each of them solids as a depth map and hair as opacity layers behind its
+/// front (deep opacity maps, Yuksel and Keyser 2008; render/deep_opacity.h). Use, for each light: fit, then
+/// beginSolids, draw, beginHairFront, draw, beginHairOpacity, draw, end; and bindTextures for reading.
 class ShadowMaps {
  public:
-  static constexpr int kSolidSize = 1024, kFrontSize = 256;  // texels
+  static constexpr int kSolidSize = 1024, kFrontSize = 256;  // texels per side
 
-  /// For so many lights, 0 to kMostLights.
+  /// `lights`: 0 to kMostLights.
   ShadowMaps(const OpacityLayers& layers, size_t lights);
   size_t lights() const { return solid_targets_.size(); }
 
-  /// Sets the light's matrix, its depth range, the opacity map's scale and the layers so that its maps cover
-  /// `content`. A directional light looks at it in parallel. A light with a place looks in perspective at the
-  /// ball about it, or, being a spot whose cone is narrower, along its axis; from within or near the ball
-  /// through 75 degrees to either side at most, towards which shadows fade out. Depth is measured along
-  /// the way it looks. `scale`, 1 or less, of the steps in which the maps grow. Returns how wide they are at
-  /// most, m.
+  /// Sets the light's matrix, depth range, opacity map scale and layers so that its maps cover `content`. A
+  /// directional light has a parallel projection. A light with a position has a perspective one around the
+  /// bounding ball of `content`, or along its axis for a spot with a narrower cone. From within or near the
+  /// ball, the view is limited to 75 degrees to either side, and shadows fade out towards its edge. Depth is
+  /// measured along the view axis. `scale`, at most 1: factor of the quantisation steps of the maps' size.
+  /// Returns an upper bound on their width, m.
   float fit(LightBlock& light, const Box& content, float scale = 1) const;
 
-  /// How far beside a point hair may be that its look-up in the maps still sees, over the maps' width.
+  /// Largest distance beside a point at which hair affects its look-up, over the maps' width.
   float lookUpReach() const;
 
   void beginSolids(size_t light) const;
   void beginHairFront(size_t light) const;
-  void beginHairOpacity(size_t light) const;            ///< leaves additive blending on
-  int opacitySize() const { return layers_.map_size; }  ///< texels a side
-  int frontSize() const { return front_size_; }         ///< the same, of the hair's front
-  size_t bytes() const;                                 ///< of device memory
+  void beginHairOpacity(size_t light) const;            ///< leaves additive blending enabled
+  int opacitySize() const { return layers_.map_size; }  ///< texels per side
+  int frontSize() const { return front_size_; }         ///< texels per side of the front of the hair
+  size_t bytes() const;                                 ///< device memory
   void end() const;
   void bindTextures() const;
 
  private:
-  int slices() const { return (layers_.layers + 1) / 4; }  // of a light
+  int slices() const { return (layers_.layers + 1) / 4; }  // per light
 
   OpacityLayers layers_;
   int front_size_;
-  Texture solid_depth_, front_, opacity_;  // arrays, a light behind the other
-  std::vector<Framebuffer> solid_targets_, front_targets_, opacity_targets_;  // a light each
+  Texture solid_depth_, front_, opacity_;  // array textures, one layer (or run of slices) per light
+  std::vector<Framebuffer> solid_targets_, front_targets_, opacity_targets_;  // one per light
 };
 
 }  // namespace strandcast

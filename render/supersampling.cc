@@ -45,7 +45,7 @@ Supersampling::Supersampling(int width, int height, int factor, PixelFilter filt
       texture_(GL_SRGB8_ALPHA8, width, height, GL_LINEAR),
       target_(&texture_, nullptr) {
   glCreateVertexArrays(1, &empty_vertices_);
-  // Samples of one axis from the first that counts; the same for every pixel.
+  // Offset of the filter's first sample along an axis; the same for every pixel.
   const int before = static_cast<int>(std::ceil((filterReach(filter) - 0.5f) * static_cast<float>(factor)));
   std::vector<float> weights;
   float sum = 0;

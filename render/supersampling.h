@@ -4,19 +4,21 @@
 
 namespace strandcast {
 
-/// Weights of the samples about a pixel's middle, in pixels of the picture that comes out: a square of one
-/// pixel; a tent of two; a Gaussian of standard deviation 0.5, cut at 1.5; or Mitchell and Netravali's (1988)
-/// cubic with B = C = 1/3, which reaches 2 and is the sharpest.
+/// Filter weights around a pixel's centre, in output pixels. kBox: one pixel. kTent: two pixels. kGaussian:
+/// standard deviation 0.5, cut at 1.5. kMitchell: the cubic of Mitchell and Netravali (1988) with B = C =
+/// 1/3, which reaches 2 and is the sharpest.
 enum class PixelFilter { kBox, kTent, kGaussian, kMitchell };
 
-/// Makes a picture out of one that is `factor` times as large, in linear light.
+/// Reduces a picture that is `factor` times as large per side, in linear light.
 class Supersampling {
  public:
+  /// `width`, `height`: of the output, pixels. `factor`: 2 to 4. Throws Error.
   Supersampling(int width, int height, int factor, PixelFilter filter);
   ~Supersampling();
   Supersampling(const Supersampling&) = delete;
   Supersampling& operator=(const Supersampling&) = delete;
 
+  /// Filters the texture `large` into texture().
   void draw(GLuint large) const;
   const Texture& texture() const { return texture_; }
   const Framebuffer& framebuffer() const { return target_; }
@@ -29,9 +31,9 @@ class Supersampling {
   GLuint empty_vertices_ = 0;
 };
 
-/// The weight of a sample `x` pixels from the middle, along one axis; not normalised.
+/// The weight of a sample `x` pixels from the centre along one axis; not normalised.
 float filterWeight(PixelFilter filter, float x);
-/// How far that reaches, pixels.
+/// Radius of the filter, pixels.
 float filterReach(PixelFilter filter);
 
 }  // namespace strandcast

@@ -12,18 +12,18 @@
 #include <utility>
 
 #include "core/error.h"
-#include "groom/distance_field_file.h"
-#include "groom/file_bytes.h"
+#include "io/distance_field_file.h"
+#include "io/file_bytes.h"
 
 namespace strandcast {
 
 std::filesystem::path defaultFieldCache() {
   const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
-  // The specification has relative paths ignored.
+  // The XDG specification says to ignore relative paths.
   if (cache != nullptr && std::filesystem::path(cache).is_absolute())
     return std::filesystem::path(cache) / "strandcast";
   if (home == nullptr || *home == 0)
-    throw Error("there is no folder for the cache", "HOME and XDG_CACHE_HOME are not set",
+    throw Error("the cache folder is unknown", "HOME and XDG_CACHE_HOME are not set",
                 "set XDG_CACHE_HOME to a folder, or HOME");
   return std::filesystem::path(home) / ".cache" / "strandcast";
 }
@@ -38,7 +38,7 @@ std::optional<DistanceField> FieldCache::find(uint64_t key, std::string* trouble
   try {
     StoredField stored = loadDistanceField(file(key, "sdf"));
     if (stored.key == key) return std::move(stored.field);
-    throw Error("the field in the file is of another body", file(key, "sdf").string(), "");
+    throw Error("the cached field belongs to another body", file(key, "sdf").string(), "");
   } catch (const Error& error) {
     if (trouble != nullptr) *trouble = error.what();
   }
@@ -50,7 +50,7 @@ void FieldCache::keep(uint64_t key, const DistanceField& field,
   if (folder_.empty()) return;
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
-  // Before the field, so that none is found without them.
+  // Written before the field, so that no field is found without its warnings.
   if (!warnings.empty()) {
     const std::string text = fmt::format("{}\n", fmt::join(warnings, "\n"));
     writeFileBytes(file(key, "txt"), std::as_bytes(std::span(text)));
@@ -82,12 +82,12 @@ std::string noteOn(const DistanceField& field, const std::string& how) {
                      static_cast<double>(field.bytes()) / (1 << 20), how);
 }
 
-/// A field that was found in the cache, or that is to be baked.
+/// A field found in the cache, or prepared for baking.
 struct Planned {
   std::optional<DistanceField> found;
   std::unique_ptr<FieldBaker> baker;
   uint64_t key = 0;
-  std::string trouble;  ///< with the file in the cache
+  std::string trouble;  ///< fault of the file in the cache
 };
 
 Planned planned(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
@@ -100,7 +100,7 @@ Planned planned(const TriangleMesh& mesh, const FieldOptions& options, const Fie
   return out;
 }
 
-/// Bakes it where it was not found.
+/// Bakes and stores the field unless it was found.
 SceneField finished(Planned plan, const FieldCache& cache, const BakeProgress& progress) {
   if (plan.found) {
     std::string note = noteOn(*plan.found, "found in the cache");
@@ -109,7 +109,7 @@ SceneField finished(Planned plan, const FieldCache& cache, const BakeProgress& p
     return {std::move(*plan.found), std::move(note), true, {}, std::move(warnings)};
   }
   DistanceField field = plan.baker->bake(progress);
-  std::string note = noteOn(field, plan.trouble.empty() ? "baked" : "baked anew");
+  std::string note = noteOn(field, plan.trouble.empty() ? "baked" : "baked again");
   std::vector<std::string> warnings = plan.baker->warnings();
   try {
     cache.keep(plan.key, field, warnings);
@@ -121,14 +121,14 @@ SceneField finished(Planned plan, const FieldCache& cache, const BakeProgress& p
   return {std::move(field), std::move(note), false, std::move(plan.trouble), std::move(warnings)};
 }
 
-/// What bakes take that are prepared together and done one after another.
+/// Total demand of bakes that are prepared together and run one after another.
 struct Needs {
   double seconds = 0;
   size_t kept = 0, largest = 0;  ///< bytes
 
   void add(const BakeEstimate& estimate) {
     seconds += estimate.seconds;
-    kept += estimate.working_bytes;  // the hierarchies and the field
+    kept += estimate.working_bytes;  // hierarchies and field
     largest = std::max(largest, estimate.field_bytes);
   }
   std::string text() const {
@@ -153,7 +153,7 @@ SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const 
 std::vector<SceneField> fieldsOf(std::span<const NamedMesh> bodies, const FieldOptions& options,
                                  const FieldCache& cache, const BakeProgress& progress,
                                  const BakeAnnouncement& begins, const BakeLimits& limits) {
-  constexpr double kPlanning = 0.1;  // of the progress
+  constexpr double kPlanning = 0.1;  // share of the progress
   std::vector<Planned> plans;
   Needs needs;
   size_t baked = 0;

@@ -12,21 +12,22 @@
 
 namespace strandcast {
 
-/// The user's cache: $XDG_CACHE_HOME/strandcast, or .cache/strandcast at home.
+/// Default folder of the user's cache: $XDG_CACHE_HOME/strandcast, or ~/.cache/strandcast.
 std::filesystem::path defaultFieldCache();
 
-/// Baked fields in a folder, each a file named by its key (fieldKey), KEY.sdf; what there was to warn of
-/// while baking is beside it, as text, KEY.txt. With an empty path none is found or kept.
+/// Cache of baked fields in a folder. A field is stored as KEY.sdf, named by its key (fieldKey), and its bake
+/// warnings beside it as text, KEY.txt. With an empty path nothing is found or stored.
 class FieldCache {
  public:
   explicit FieldCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Nothing where there is none; a damaged file counts as none, and `trouble` says why.
+  /// The stored field; empty if there is none. A damaged file counts as none, and `trouble` receives the
+  /// reason.
   std::optional<DistanceField> find(uint64_t key, std::string* trouble = nullptr) const;
-  /// Appears whole or not at all, whoever else writes. Throws Error when it cannot be written. `warnings`:
-  /// what there was to warn of while baking (FieldBaker::warnings), a line each.
+  /// Stores a field. Atomic for concurrent readers and writers. `warnings`: those of the bake
+  /// (FieldBaker::warnings), one line each. Throws Error when the file cannot be written.
   void keep(uint64_t key, const DistanceField& field, const std::vector<std::string>& warnings = {}) const;
-  /// What the field of this key was kept with.
+  /// The warnings stored with the field of this key.
   std::vector<std::string> warnings(uint64_t key) const;
 
  private:
@@ -35,35 +36,35 @@ class FieldCache {
   std::filesystem::path folder_;
 };
 
-/// A field for a scene, and where it came from.
+/// A field for a scene, with its origin.
 struct SceneField {
   DistanceField field;
-  std::string note;  ///< a line for people
+  std::string note;  ///< one line for the user
   bool from_cache = false;
-  std::string trouble;  ///< what was wrong with the cache: with the file in it, or with keeping one; or empty
-  /// FieldBaker::warnings, also of a field from the cache, and kNoInside where that holds.
+  std::string trouble;  ///< fault of the cache, in reading or in storing the field; else empty
+  /// FieldBaker::warnings, for cached fields, too, and kNoInside if the field has no inside.
   std::vector<std::string> warnings{};
 };
-constexpr double kBakeWorthSaying = 1;  ///< s: of a shorter one programs say nothing before
-/// Told before a bake begins: a line for people, without the body's name, of how long it takes and with what
-/// memory, and the seconds again.
+constexpr double kBakeWorthSaying = 1;  ///< s: shorter bakes are not announced
+/// Called before a bake begins. `outlook`: one line for the user on time and memory, without the body's name.
+/// `seconds`: the estimated time.
 using BakeAnnouncement = std::function<void(const std::string& outlook, double seconds)>;
-/// The same of one body, whose lines begin with its name; empty where `begins` is.
+/// Returns `begins` with the name of a body prefixed to its lines; empty if `begins` is empty.
 BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name);
-/// From the cache, or baked and kept there. The note tells of trouble, too.
-/// Throws Error as FieldBaker does; BakeStopped.
+/// Returns the field from the cache, or bakes and stores it. The note mentions cache faults as well. Throws
+/// Error as FieldBaker does; BakeStopped.
 SceneField fieldOf(const TriangleMesh& mesh, const FieldOptions& options, const FieldCache& cache,
                    const BakeProgress& progress, const BakeAnnouncement& begins = {},
                    const BakeLimits& limits = {});
 
-/// A body among others, as lines for people call it.
+/// A body with the name that messages use for it.
 struct NamedMesh {
   std::string name;
   const TriangleMesh* mesh;
 };
-/// fieldOf() for several bodies, in their order, with one announcement before the first bake: how many of the
-/// fields are not in the cache, and what all of them take together. Progress tells which one of how many it
-/// is at, "3 of 21, LeftArm: baking bricks", and the part of all work that is done.
+/// As fieldOf(), for several bodies, in their order. Before the first bake there is one announcement: how
+/// many fields are not in the cache, and the total time and memory. Progress names the current body, "3 of
+/// 21, LeftArm: baking bricks", and gives the share of all work done.
 std::vector<SceneField> fieldsOf(std::span<const NamedMesh> bodies, const FieldOptions& options,
                                  const FieldCache& cache, const BakeProgress& progress,
                                  const BakeAnnouncement& begins = {}, const BakeLimits& limits = {});

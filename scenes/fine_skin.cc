@@ -12,7 +12,7 @@ class Refiner {
  public:
   explicit Refiner(const SkinnedMesh& skin) : skin_(skin) {
     std::vector<std::vector<SkinShare>> shares = skinShares(skin);
-    // Vertices that lie on one another are one: files have several where normals or textures break.
+    // Merges coincident vertices: files duplicate them at discontinuities of normals or textures.
     std::map<std::array<float, 3>, uint32_t> first;
     std::vector<uint32_t> welded;
     for (size_t v = 0; v < skin.mesh.positions.size(); ++v) {
@@ -36,17 +36,17 @@ class Refiner {
   }
 
   FineSkin run() {
-    constexpr int kMostRounds = 5;       // to a thirty-second of an edge
-    constexpr size_t kEnough = 100'000;  // triangles, which a round makes four times as many at most
+    constexpr int kMostRounds = 5;       // down to 1/32 of an edge
+    constexpr size_t kEnough = 100'000;  // triangles; a round at most quadruples them
     for (int round = 0; round < kMostRounds && fine_.triangles.size() < kEnough; ++round)
       if (!splitOnce()) break;
     return std::move(fine_);
   }
 
  private:
-  /// How much of what carries them changes from one vertex to another, 0 to 1.
+  /// Total change of the joints' weights from one vertex to another, 0 to 1.
   double change(uint32_t a, uint32_t b) const {
-    // Targets move edges evenly: what they do needs no vertices between.
+    // Targets displace edges linearly, so their shares need no vertices in between.
     std::map<uint32_t, double> weights;
     for (const SkinShare& share : fine_.shares[a])
       if (share.binding < skin_.bindings.size())
@@ -76,10 +76,10 @@ class Refiner {
     return static_cast<double>((fine_.positions[edge.first] - fine_.positions[edge.second]).norm());
   }
 
-  /// Halves every edge along which too much changes, and those that lead far away from where it does. An edge
-  /// is halved for what its ends are, so that the triangles on both sides of it still meet.
+  /// Halves each edge along which weights change too much, and long edges next to such places. The decision
+  /// depends only on the edge's ends, so the triangles on both sides still share vertices.
   bool splitOnce() {
-    // Over how long a way at each vertex so much changes, m, at least.
+    // Per vertex, the shortest length over which weights change by kMostChange along an edge, m.
     std::vector<double> ways(fine_.positions.size(), std::numeric_limits<double>::max());
     std::map<std::pair<uint32_t, uint32_t>, double> changes;
     for (const auto& t : fine_.triangles)
@@ -108,7 +108,7 @@ class Refiner {
       std::array<uint32_t, 3> m{};
       for (size_t c = 0; c < 3; ++c) m[c] = middle(t[c], t[(c + 1) % 3]);
       const auto halved = 3 - std::count(m.begin(), m.end(), kNone);
-      // One halved edge alone is to be the first, one that is not, the last.
+      // Rotates the triangle so that a single halved edge comes first, a single unhalved edge last.
       const auto turn = [&] {
         std::rotate(t.begin(), t.begin() + 1, t.end());
         std::rotate(m.begin(), m.begin() + 1, m.end());
@@ -148,7 +148,7 @@ class Refiner {
   }
 
   static constexpr uint32_t kNone = ~0u;
-  // Less than half of a part between joints, which reaches so far into its neighbours.
+  // Less than half of a part between joints, since adjacent parts overlap by as much.
   static constexpr double kMostChange = 0.08;
   const SkinnedMesh& skin_;
   FineSkin fine_;
@@ -165,7 +165,7 @@ std::vector<std::vector<SkinShare>> skinShares(const SkinnedMesh& skin) {
     for (const auto& [binding, weight] : weights)
       terms[v][binding] = weight * skin.stored[v].cast<double>().homogeneous();
   }
-  std::map<std::pair<uint32_t, uint32_t>, uint32_t> numbers;  // of target and binding
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> numbers;  // (target, binding) -> index
   for (size_t i = 0; i < skin.target_bindings.size(); ++i)
     numbers[{skin.target_bindings[i].target, skin.target_bindings[i].binding}] =
         static_cast<uint32_t>(skin.bindings.size() + i);

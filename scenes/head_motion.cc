@@ -10,16 +10,16 @@
 #include <vector>
 
 #include "core/error.h"
-#include "groom/file_bytes.h"
-#include "groom/gltf_report.h"
-#include "scenes/bvh.h"
-#include "scenes/bvh_unit.h"
+#include "io/bvh.h"
+#include "io/bvh_unit.h"
+#include "io/file_bytes.h"
+#include "io/gltf_report.h"
 #include "scenes/ease.h"
 
 namespace strandcast {
 namespace {
 
-constexpr double kEnd = 0.5;  // s, over which a motion returns to rest
+constexpr double kEnd = 0.5;  // s, duration of the return to rest
 
 struct Swing {
   const char* name;
@@ -38,18 +38,18 @@ Quat swung(const Swing& swing, double seconds) {
   return Quat(Eigen::AngleAxisf(static_cast<float>(angle), Eigen::Vector3f(swing.axis)));
 }
 
-// A rotation about `pivot`, then a shift.
+// A rotation about `pivot`, followed by a translation.
 Pose about(const Vec3& pivot, const Quat& rotation, const Vec3& shift) {
   return {pivot + shift - rotation * pivot, rotation};
 }
 
-// A joint's motion sampled per frame, relative to the first frame, made to loop.
+// Motion of a joint, sampled per frame relative to the first frame and made to loop.
 struct Track {
   double frame_time = 0;
   std::vector<Quat> rotations;
   std::vector<Vec3> shifts;  // m
 
-  // Catmull-Rom through the samples round the loop: no jumps in velocity, which would shake the hair.
+  // Catmull-Rom interpolation around the loop. Its velocity is continuous: jumps would shake the hair.
   void at(double seconds, Quat& rotation, Vec3& shift) const {
     const auto n = static_cast<double>(rotations.size());
     double frame = std::fmod(std::max(seconds, 0.0) / frame_time, n);
@@ -73,8 +73,8 @@ struct Track {
 Track trackOf(const BvhClip& clip, size_t joint, float unit_meters, const Quat& up) {
   const Pose first = clip.pose(joint, 0);
   const Pose last = clip.pose(joint, clip.frames - 1);
-  const size_t period =
-      std::max<size_t>(clip.frames - 1, 1);  // the last frame stands for the first of the next round
+  // The last frame coincides with the first of the next round.
+  const size_t period = std::max<size_t>(clip.frames - 1, 1);
   Track track;
   track.frame_time = clip.frame_time;
   const double blend = std::min(kLoopBlend, 0.5 * clip.frame_time * static_cast<double>(period));
@@ -83,7 +83,8 @@ Track trackOf(const BvhClip& clip, size_t joint, float unit_meters, const Quat& 
     const float share = static_cast<float>(f) / static_cast<float>(period);
     const Vec3 travelled = pose.position - first.position - share * (last.position - first.position);
     const double left = clip.frame_time * static_cast<double>(period - f);
-    const auto back = static_cast<float>(1 - ease(left / blend));  // rotations return to the first frame's
+    // Rotations return to those of the first frame.
+    const auto back = static_cast<float>(1 - ease(left / blend));
     const Quat turned = (pose.rotation * first.rotation.conjugate()).normalized();
     track.rotations.push_back(up * turned.slerp(back, Quat::Identity()) * up.conjugate());
     track.shifts.push_back(up * travelled * unit_meters);
@@ -144,7 +145,7 @@ HeadMotion bvhMotion(const std::filesystem::path& file, const Vec3& pivot, const
     Quat rotation;
     Vec3 shift;
     track->at(kStartSeconds * easeIntegral(seconds / kStartSeconds), rotation,
-              shift);  // time itself starts from rest
+              shift);  // the time itself accelerates smoothly from rest
     return about(pivot, rotation, shift);
   };
 }

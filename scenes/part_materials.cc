@@ -15,7 +15,8 @@ namespace {
 void apply(const MaterialRule& rule, Material& material) {
   for (const MaterialRule::Setting& setting : rule.settings)
     if (setting.name != kShearModulus) setMaterial(material, setting.name, setting.values, setting.where);
-  for (const MaterialRule::Setting& setting : rule.settings)  // it needs the Young's modulus
+  // The shear modulus comes last: it needs the Young's modulus.
+  for (const MaterialRule::Setting& setting : rule.settings)
     if (setting.name == kShearModulus) setMaterial(material, setting.name, setting.values, setting.where);
 }
 
@@ -26,7 +27,7 @@ std::vector<size_t> partsOf(const MaterialRule& rule, const std::vector<std::str
   return parts;
 }
 
-/// What two settings decide on both have one name for.
+/// Name of the quantity that a setting determines: shear_modulus and poisson_ratio determine the same.
 std::string subjectOf(const std::string& setting) {
   return setting == kShearModulus ? "poisson_ratio" : setting;
 }

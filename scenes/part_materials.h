@@ -6,34 +6,34 @@
 
 namespace strandcast {
 
-/// What one [[material]] table or --material option says.
+/// One [[material]] table or --material option.
 struct MaterialRule {
   struct Setting {
-    std::string name;            ///< of materialSettingList()
+    std::string name;            ///< one of materialSettingList()
     std::vector<double> values;  ///< see setMaterial()
     std::string where;           ///< for errors: file and line, or option
   };
-  std::vector<std::string> parts;  ///< names or numbers of parts; empty = all
+  std::vector<std::string> parts;  ///< names or numbers of parts; empty: all
   std::vector<Setting> settings;
-  std::string where;       ///< of `parts`
-  bool is_option = false;  ///< else of a file, to which options come on top
+  std::string where;       ///< for errors on `parts`
+  bool is_option = false;  ///< an option, which overrides those of files
 };
 
-/// The number of a part given by name or, where none is called so, by number. Throws Error, naming `where`
-/// and the parts there are, and where several are called so.
+/// Index of a part given by name, or by number if no part has that name. Throws Error, which names `where`
+/// and the parts that exist, if there is no such part or if several have that name.
 size_t partOf(const std::string& part, const std::vector<std::string>& names, const std::string& where);
 
-/// Throws Error on a setting that no material could take, whatever the groom is, and on one that is there
-/// twice.
+/// Throws Error on a setting that is invalid for any material, whatever the groom is, and on a setting that
+/// occurs twice.
 void checkRule(const MaterialRule& rule);
 
-/// The material of every part: human hair, changed by the rules in their order. A shear modulus holds with
-/// the Young's modulus of its rule, or with the one before it. Throws Error on an unknown part (naming those
-/// there are), on both poisson_ratio and shear_modulus in one rule, and as setMaterial.
+/// Materials of all parts: human hair, modified by the rules in their order. A shear modulus is combined with
+/// the Young's modulus of its rule, else with the one set before. Throws Error on an unknown part (naming
+/// those that exist), on both poisson_ratio and shear_modulus in one rule, and as setMaterial.
 std::vector<Material> partMaterials(const std::vector<MaterialRule>& rules,
                                     const std::vector<std::string>& part_names);
 
-/// m, of the thickest place of all these.
+/// Largest radius along the hair of all these materials, m.
 float thickestRadius(const std::vector<Material>& materials);
 
 }  // namespace strandcast

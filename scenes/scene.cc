@@ -15,8 +15,9 @@
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "groom/clean.h"
-#include "groom/mesh_file.h"
+#include "groom/load_groom.h"
 #include "groom/procedural_body.h"
+#include "io/mesh_file.h"
 #include "scenes/ease.h"
 #include "scenes/field_cache.h"
 
@@ -24,8 +25,8 @@ namespace strandcast {
 namespace {
 
 constexpr float kHairDamping = 2e-3f;  // s: at 10 Hz, 6 % of critical
-// 1/s. Still air takes 3.8 from a hair of 80 um that creeps across it (slender body, 25 cm long), and several
-// times that at some cm/s and faster, by the drag of a cylinder; inside a tress it is less.
+// 1/s. Still air takes 3.8 1/s from a hair of 80 um that creeps across it (slender body, 25 cm long). From
+// some cm/s on it takes several times that, by the drag of a cylinder. Inside a tress the drag is less.
 constexpr float kHairAirDrag = 5;
 
 struct NamedScene {
@@ -70,8 +71,8 @@ const NamedScene& namedScene(const std::string& name) {
   throw Error("unknown scene", name, "choose one of " + names);
 }
 
-/// What its parts are made of, and how far bodies keep the thickest of it. Before anything is baked: that
-/// depends on it, and an error comes early.
+/// Sets the materials of parts, and hair_radius from the thickest. Called before any bake: fields depend on
+/// it, and errors appear early.
 void makeMaterials(const SceneOptions& options, Scene& scene) {
   scene.materials = partMaterials(options.materials, scene.part_names);
   const float thickest = std::min(thickestRadius(scene.materials), kThickestHair);
@@ -79,12 +80,12 @@ void makeMaterials(const SceneOptions& options, Scene& scene) {
   scene.parameters.hair_radius = thickest;
   if (options.hair_radius_is_set) return;
   scene.notes.push_back(
-      fmt::format("hair_radius is {:.3g} mm, as the thickest material: so far off bodies "
-                  "the axis of all hair is kept; --hair-width is what it is drawn with",
+      fmt::format("hair_radius is {:.3g} mm, from the thickest material: the axis of all hair keeps this "
+                  "distance from bodies; --hair-width sets the drawn width",
                   1e3 * static_cast<double>(thickest)));
 }
 
-/// Of the fields of bodies of this scene. Thick hair does not make them coarser.
+/// Options for the fields of this scene's bodies. Thick hair does not make the fields coarser.
 FieldOptions fieldOptions(const SceneOptions& options, const Scene& scene) {
   FieldOptions out;
   out.thickest_hair = scene.parameters.hair_radius;
@@ -96,7 +97,7 @@ void report(const Progress& progress, const std::string& what, double part) {
   if (progress && !progress(what, part)) throw BakeStopped();
 }
 
-/// `own`: the motion where none is given.
+/// Sets the head's motion. `own`: the default motion.
 void moveHead(const SceneOptions& options, const char* own, Scene& scene) {
   ClipMotionOptions clip;
   clip.unit_meters = options.clip_unit_meters;
@@ -112,10 +113,10 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   scene.part_names = {scene.name};
   makeMaterials(options, scene);
   report(progress, "sculpting the body", 0.1);
-  static const ProceduralBody kSculpted = makeProceduralBody();  // for all scenes of this process
+  static const ProceduralBody kSculpted = makeProceduralBody();  // shared by all scenes of the process
   ProceduralBody body = kSculpted;
   const ProceduralGroomOptions groom = proceduralGroomOf(options);
-  constexpr double kFrom = 0.15, kTo = 0.45;  // of the scene's progress
+  constexpr double kFrom = 0.15, kTo = 0.45;  // range of the scene's progress
   scene.groom = makeProceduralGroom(
       groom, [&](double part) { report(progress, "growing hair", kFrom + part * (kTo - kFrom)); });
   scene.body = std::move(body.mesh);
@@ -131,8 +132,8 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   return scene;
 }
 
-/// Shrinks spheres until no free vertex of the groom at rest lies inside: a strand that cannot stretch could
-/// not be pushed out of a body that its root is deep in. Real roots are up to centimetres under the skin.
+/// Shrinks spheres until no free vertex of the groom at rest lies inside. An inextensible strand cannot be
+/// pushed out of a body if its root is deep inside. Real roots are up to centimetres under the skin.
 void keepOutOfRestingHair(const StrandSet& strands, float hair_radius,
                           std::vector<ContactPrimitive>& spheres) {
   constexpr float kMargin = 2e-4f, kSmallest = 2e-3f;  // m
@@ -155,21 +156,21 @@ void fillBody(const SceneOptions& options, const Progress& progress, Scene& scen
   const size_t fitted = body.primitives.size();
   keepOutOfRestingHair(scene.groom.strands, scene.parameters.hair_radius, body.primitives);
   if (!body.primitives.empty())
-    scene.notes.push_back(fmt::format("{} spheres stand for the body in collisions", body.primitives.size()));
+    scene.notes.push_back(fmt::format("{} spheres represent the body in collisions", body.primitives.size()));
   else if (options.body_primitives == 0)
-    scene.notes.push_back("no spheres are fitted into the body (fitted_spheres = 0): hair goes through it");
+    scene.notes.push_back("no spheres are fitted into the body (fitted_spheres = 0): hair passes through it");
   else if (fitted == 0)
-    scene.warnings.push_back("no sphere fits into the body mesh: hair goes through it");
+    scene.warnings.push_back("no sphere fits into the body mesh: hair passes through it");
   else
-    scene.warnings.push_back(fmt::format(
-        "hair is at rest in each of the {} spheres fitted into the body, which are left out: hair "
-        "goes through it",
-        fitted));
+    scene.warnings.push_back(
+        fmt::format("hair at rest lies in each of the {} spheres fitted into the body, so all are left out: "
+                    "hair passes through it",
+                    fitted));
   scene.bodies.push_back(std::move(body));
 }
 
 void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
-  constexpr double kFrom = 0.45, kTo = 0.95;  // of the scene's progress
+  constexpr double kFrom = 0.45, kTo = 0.95;  // range of the scene's progress
   const FieldOptions field = fieldOptions(options, scene);
   const FieldCache cache(options.field_cache);
   SceneField baked = fieldOf(
@@ -186,13 +187,13 @@ void bakeBody(const SceneOptions& options, const Progress& progress, Scene& scen
   scene.bodies.push_back({{std::move(shape)}, true, true});
 }
 
-/// Fields of the parts, as fine as one of the whole body would be.
+/// Bakes the fields of the parts, with the cell that one field of the whole body would have.
 void bakeParts(const SceneOptions& options, const Progress& progress, Scene& scene,
                std::shared_ptr<SkinnedBody> skinned) {
-  constexpr double kFrom = 0.45, kTo = 0.95;  // of the scene's progress
+  constexpr double kFrom = 0.45, kTo = 0.95;  // range of the scene's progress
   FieldOptions field = fieldOptions(options, scene);
   field.cell = resolveFieldOptions(scene.body, field).cell;
-  field.is_oriented = true;  // as the skin that they are cut from
+  field.is_oriented = true;  // the skin from which they are cut is oriented
   const FieldCache cache(options.field_cache);
   size_t bytes = 0, found = 0;
   skinned->first_body = scene.bodies.size();
@@ -219,14 +220,13 @@ void bakeParts(const SceneOptions& options, const Progress& progress, Scene& sce
     scene.bodies.push_back(
         {.primitives = {std::move(shape)}, .holds_roots = true, .bends = !part.samples.empty()});
   }
-  scene.notes.push_back(
-      fmt::format("the skinned body's distance fields: {} parts, cells of {:.3g} mm, {:.1f} MiB, {} "
-                  "found in the cache",
-                  skinned->parts().size(), 1e3 * field.cell, static_cast<double>(bytes) / (1 << 20), found));
+  scene.notes.push_back(fmt::format(
+      "the skinned body's distance fields: {} parts, cells of {:.3g} mm, {:.1f} MiB, {} found in the cache",
+      skinned->parts().size(), 1e3 * field.cell, static_cast<double>(bytes) / (1 << 20), found));
   scene.skinned = std::move(skinned);
 }
 
-/// The point of a field's grid that is nearest to a place.
+/// The point of a field's grid nearest to `place`.
 Vec3 nearestOf(const FieldGrid& grid, const Vec3& place) {
   const Vec3 low(grid.origin[0], grid.origin[1], grid.origin[2]);
   Vec3 size;
@@ -234,7 +234,7 @@ Vec3 nearestOf(const FieldGrid& grid, const Vec3& place) {
   return place.cwiseMax(low).cwiseMin(low + size);
 }
 
-/// How far the parts' fields are from the blended skin in the course of the clip.
+/// Notes the distance of the parts' fields from the blended skin over the clip.
 void noteFollowing(Scene& scene) {
   constexpr int kLooks = 8;
   const SkinnedBody& skinned = *scene.skinned;
@@ -250,7 +250,7 @@ void noteFollowing(Scene& scene) {
       for (size_t i = 0; i < parts.size(); ++i) {
         const ContactPrimitive& shape = scene.bodies[skinned.first_body + i].primitives[0];
         const Vec3 place = parts[i].pose.apply(p);
-        // As contact has it (kernels/surface_bend.h): beyond the grid skin is shifted as at its edge.
+        // As in contact (kernels/surface_bend.h): outside the grid the bend at the grid's border applies.
         const Vec3 shift = parts[i].bend.shift(nearestOf(shape.field->grid, place));
         distance = std::min(distance, shape.field->at(place + shift).distance);
       }
@@ -261,12 +261,12 @@ void noteFollowing(Scene& scene) {
     }
   }
   scene.notes.push_back(fmt::format(
-      "the parts are {:.2f} mm from the skin's vertices in the mean of {} moments of the clip, "
-      "{:.1f} mm at most below it, {:.1f} mm above",
+      "the parts are {:.2f} mm from the skin's vertices in the mean of {} moments of the clip, {:.1f} mm at "
+      "most below it, {:.1f} mm above",
       1e3 * sum / count, kLooks, 1e3 * static_cast<double>(below), 1e3 * static_cast<double>(above)));
 }
 
-/// How much of the hair is in the body at rest.
+/// Notes the share of hair that is inside the body at rest.
 void noteHairInBody(const StrandSet& strands, const std::vector<RigidBody>& bodies,
                     std::vector<std::string>& notes) {
   std::vector<const DistanceField*> fields;
@@ -288,12 +288,12 @@ void noteHairInBody(const StrandSet& strands, const std::vector<RigidBody>& bodi
     }
   if (inside > 0)
     notes.push_back(
-        fmt::format("{:.1f} % of the hair's vertices are in the body at rest, {:.1f} mm at most: "
-                    "they may stay as deep",
+        fmt::format("{:.1f} % of the hair's vertices are inside the body at rest, by up to {:.1f} mm: they "
+                    "may stay that deep",
                     100.0 * static_cast<double>(inside) / static_cast<double>(free), -1e3 * deepest));
 }
 
-/// How far the nearer ends of a sample of the strands are off the body on average, m, when they are scaled.
+/// Mean distance from the body, m, of the nearer ends of a sample of the strands, scaled by `scale`.
 double meanDistance(const StrandSet& strands, const ClosestPoint& scalp, float scale) {
   constexpr size_t kSample = 500;
   const size_t every = std::max<size_t>(strands.strands() / kSample, 1);
@@ -304,11 +304,11 @@ double meanDistance(const StrandSet& strands, const ClosestPoint& scalp, float s
   return sum / count;
 }
 
-/// Where the groom's unit is a guess by its size and the body's is known, the usual unit with which roots lie
-/// nearest to the body is a better one.
+/// Replaces a unit of the groom that is guessed from its size: the usual unit with which the roots lie
+/// nearest to a body of known unit is more reliable.
 void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene& scene) {
-  constexpr double kClearlyNearer = 0.5;              // of the distance before
-  constexpr double kOnBody = 0.05, kRounding = 1e-4;  // of the body's diagonal
+  constexpr double kClearlyNearer = 0.5;              // share of the previous distance
+  constexpr double kOnBody = 0.05, kRounding = 1e-4;  // share of the body's diagonal
   const float by_size = scene.groom.report.unit_meters;
   const auto distanceWith = [&](float unit) {
     return meanDistance(scene.groom.strands, scalp, unit / by_size);
@@ -327,13 +327,13 @@ void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene
   GroomReadOptions units = options.units;
   units.unit_meters = best;
   scene.groom = loadGroom(options.groom, units);
-  scene.groom.report.warnings.push_back(fmt::format(
-      "{}: the unit is guessed: {:g} m, with which the roots are {:.1f} mm off the body ({:.1f} mm with "
-      "{:g} m, as the groom's size alone has it); give --unit-meters to be sure",
-      options.groom.front().string(), best, 1e3 * nearest, 1e3 * before, by_size));
+  scene.groom.report.warnings.push_back(
+      fmt::format("{}: the unit is guessed: {:g} m, with which the roots are {:.1f} mm off the body ({:.1f} "
+                  "mm with {:g} m, the guess from the groom's size alone); give --unit-meters to be sure",
+                  options.groom.front().string(), best, 1e3 * nearest, 1e3 * before, by_size));
 }
 
-/// Hair and body of different units, by their sizes.
+/// Warns when the sizes of hair and body suggest different units.
 void warnOfSizes(const TriangleMesh& body, const StrandSet& strands, std::vector<std::string>& warnings) {
   constexpr float kMostRatio = 100;
   Box hair;
@@ -341,24 +341,24 @@ void warnOfSizes(const TriangleMesh& body, const StrandSet& strands, std::vector
   const float hair_size = hair.sizes().maxCoeff(), body_size = body.bounds().sizes().maxCoeff();
   if (hair_size > kMostRatio * body_size || body_size > kMostRatio * hair_size)
     warnings.push_back(
-        fmt::format("the hair is {:.3g} m large and the body {:.3g} m: give the unit of the one that is "
-                    "wrong (--unit-meters, --body-unit-meters)",
+        fmt::format("the hair is {:.3g} m large and the body {:.3g} m: correct the wrong unit "
+                    "(--unit-meters, --body-unit-meters)",
                     hair_size, body_size));
 }
 
-/// Hair and body of different units.
+/// Warns when the distance of the roots suggests different units.
 void warnOfFarRoots(const TriangleMesh& body, const RootBinding& binding,
                     std::vector<std::string>& warnings) {
-  constexpr float kFar = 0.1f;  // of the body's diagonal
+  constexpr float kFar = 0.1f;  // share of the body's diagonal
   const float size = body.bounds().diagonal().norm();
   if (binding.mean_distance > kFar * size)
     warnings.push_back(
         fmt::format("roots are {:.3g} m off the body on average, whose diagonal is {:.3g} m: do groom and "
-                    "body have the right units (--unit-meters, --body-unit-meters) and one place?",
+                    "body have the right units (--unit-meters, --body-unit-meters) and the same place?",
                     binding.mean_distance, size));
 }
 
-/// A wrong unit is to be known before minutes are spent on it.
+/// Passes warnings on early: a wrong unit should be known before minutes are spent on a bake.
 void tellWarnings(const SceneOptions& options, Scene& scene) {
   if (!options.warns_early) return;
   for (std::vector<std::string>* lines : {&scene.groom.report.warnings, &scene.warnings})
@@ -410,7 +410,8 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
     fillBody(options, progress, scene);
 }
 
-/// Of a model's bones, which are 65,535 beside the head, `pinned` are left for pins.
+/// Attaches roots to the skin. Of the 65,535 bones of a model besides the head, `pinned` are reserved for
+/// pins.
 void growOnSkin(const StrandSet& strands, size_t pinned, Scene& scene) {
   constexpr size_t kMostBones = std::numeric_limits<uint16_t>::max();
   scene.skinned->growOnSkin(strands, kMostBones - std::min(pinned, kMostBones));
@@ -433,7 +434,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     report(progress, "choosing guides", 0.97);
     strands = subset(strands, chooseGuides(strands, static_cast<size_t>(options.strands)));
   } else if (static_cast<size_t>(options.strands) > strands.strands()) {
-    scene.warnings.push_back(fmt::format("{} strands are asked for, and there are {}: all are used",
+    scene.warnings.push_back(fmt::format("{} strands are requested, but the groom has {}: all are used",
                                          options.strands, strands.strands()));
   }
   if (options.vertices > 0) {
@@ -451,7 +452,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     if (options.skinned->roots == BodyRoots::kSkin) growOnSkin(strands, options.pins.size(), scene);
     scene.head_pivot = scene.skinned->pivot();
   } else {
-    // The joint of head and neck is about 8 cm below the middle of the roots.
+    // The joint of head and neck is about 8 cm below the centre of the roots.
     for (size_t s = 0; s < strands.strands(); ++s)
       scene.head_pivot += strands.strand(s)[0] / static_cast<float>(strands.strands());
     scene.head_pivot.y() -= 0.08f;
@@ -490,17 +491,17 @@ StrandModel sceneModel(const Scene& scene) {
 
 namespace {
 
-/// What a groom of files and a procedural one do not share must not be given in vain.
+/// Throws Error on options that do not apply to the kind of groom, of files or procedural.
 void checkHair(const SceneOptions& options) {
   if (options.groom.empty() && !options.body.empty())
-    throw Error("there is no hair to grow on this body", options.body.string(),
+    throw Error("no hair is given for this body", options.body.string(),
                 "name groom files (--groom), or leave the body out: procedural scenes have their own");
   if (!options.groom.empty() && options.length > 0)
-    throw Error("hair of groom files is as long as it is", options.groom.front().string(),
+    throw Error("hair of groom files has its own length", options.groom.front().string(),
                 "leave length out (--length): it is for procedural scenes");
 }
 
-/// Units of files that are not there.
+/// Throws Error on units of files that are not given.
 void checkUnits(const SceneOptions& options) {
   const bool has_body_units = options.body_units.unit_meters > 0 || options.body_units.up != UpAxis::kAuto;
   if (has_body_units && (options.groom.empty() || options.body.empty()))
@@ -515,12 +516,11 @@ void checkUnits(const SceneOptions& options) {
 void checkNamesAndJoints(const SceneOptions& options) {
   checkNames(options.primitives, options.body_name);
   if (!options.body_name.empty() && !options.groom.empty() && options.body.empty())
-    throw Error("there is no body to be called '" + options.body_name + "'", "name of [body]",
+    throw Error("no body is given for the name '" + options.body_name + "'", "name of [body]",
                 "give it a file, or leave its name out");
   for (const ScenePrimitive& primitive : options.primitives)
     if (!primitive.joint.empty() && !options.skinned)
-      throw Error("the body is not skinned: there is no joint '" + primitive.joint + "' to hang on",
-                  primitive.where,
+      throw Error("the body is not skinned, so it has no joint '" + primitive.joint + "'", primitive.where,
                   "give [body] a glTF file with a skin and a clip, or the joint that hair grows on; or leave "
                   "joint out");
 }
@@ -528,11 +528,11 @@ void checkNamesAndJoints(const SceneOptions& options) {
 void checkSkinned(const SceneOptions& options) {
   if (!options.skinned) return;
   if (options.groom.empty() || options.body.empty())
-    throw Error("there is no body that could be skinned", "clip, joint or roots of the body",
+    throw Error("no body file is given", "clip, joint or roots of the body",
                 "name groom and body files (--groom, --body)");
   if (options.body_contact != BodyContact::kField)
-    throw Error("spheres do not stand for a skinned body", options.body.string(),
-                "leave body contact to its fields");
+    throw Error("a skinned body cannot collide as spheres", options.body.string(),
+                "use --body-contact field");
 }
 
 MeshBodyOptions meshBodyOptions(const SceneOptions& options, const Scene& scene) {
@@ -548,7 +548,7 @@ MeshBodyOptions meshBodyOptions(const SceneOptions& options, const Scene& scene)
 }
 
 void addPrimitives(const SceneOptions& options, const Progress& progress, Scene& scene) {
-  constexpr double kFrom = 0.97, kTo = 1;  // of the scene's progress
+  constexpr double kFrom = 0.97, kTo = 1;  // range of the scene's progress
   scene.mesh_bodies = meshBodyOptions(options, scene);
   PrimitiveBodies made = primitiveBodies(
       options.primitives, scene.mesh_bodies, scene.body,

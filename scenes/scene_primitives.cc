@@ -10,13 +10,14 @@
 
 #include "core/content_hash.h"
 #include "core/error.h"
-#include "groom/mesh_file.h"
+#include "io/mesh_file.h"
 
 namespace strandcast {
 namespace {
 
-/// m. A field's own frame is so far from that of its collider, and the field back by as much: docs/wire.md
-/// has bodies drawn with fields that lie on them in their own frame, and this one is no part of any.
+/// m. Offset of a field's own frame from that of its collider; the field is placed back by as much. Clients
+/// draw body vertices with the field on which they lie in its own frame (docs/wire.md). This collider is no
+/// part of the body: the offset keeps its field away from those vertices.
 constexpr float kAside = 16;
 
 void setAside(ContactPrimitive& shape) {
@@ -26,7 +27,7 @@ void setAside(ContactPrimitive& shape) {
   shape.a.y() -= kAside;
 }
 
-/// Takes the shape to the origin of its body, unturned: the pose brings it back to where it was.
+/// Moves the shape to the origin of its body, without rotation. Returns the pose that restores its placement.
 Pose takePlace(ContactPrimitive& shape) {
   Pose pose;
   std::swap(pose.position, shape.a);
@@ -37,10 +38,9 @@ Pose takePlace(ContactPrimitive& shape) {
   return pose;
 }
 
-/// The mesh where it stands while the head, or the joint, is at rest. Fields of colliders that do not follow
-/// the head are neither moved nor turned in them (docs/wire.md), so the mesh is, before anything is made of
-/// it.
-/// `hash` gets the mesh before that.
+/// Reads the mesh of a primitive and places it as it is while the head, or the joint, is at rest. Fields of
+/// colliders that do not follow the head have neither translation nor rotation in them (docs/wire.md), so the
+/// mesh itself is transformed first. `hash` receives the mesh before that.
 TriangleMesh placedMesh(const ScenePrimitive& primitive, const GroomReadOptions& obj_units,
                         PrimitiveBodies& made, ContentHash& hash) {
   ReadMesh from = loadMesh(primitive.file, meshUnits(primitive.file, primitive.units, obj_units),
@@ -74,21 +74,21 @@ ContactPrimitive convexShape(const ScenePrimitive& primitive, const TriangleMesh
   return shape;
 }
 
-/// A renderer draws the vertices of the body that lie on a field which does not follow the head where that is
-/// (transport/body_binding.h), as parts of a skinned body.
+/// Warns when body vertices lie on a static field. A renderer takes such vertices for parts of a skinned body
+/// (transport/body_binding.h) and draws them where the field is.
 void warnOfTouching(const TriangleMesh& body, const DistanceField& field, const std::string& name,
                     std::vector<std::string>& warnings) {
   const float near = 4 * field.grid.cell;
   const auto touching = std::count_if(body.positions.begin(), body.positions.end(),
                                       [&](const Vec3& p) { return std::fabs(field.at(p).distance) < near; });
   if (touching > 0)
-    warnings.push_back(fmt::format(
-        "{} vertices of the body are within {:.3g} mm of {}, which does not follow the head: they "
-        "are drawn there when the head moves; keep them apart, or let it follow the head",
-        touching, 1e3 * static_cast<double>(near), name));
+    warnings.push_back(
+        fmt::format("{} vertices of the body are within {:.3g} mm of {}, which does not follow the head: "
+                    "they are drawn there when the head moves; keep them apart, or let it follow the head",
+                    touching, 1e3 * static_cast<double>(near), name));
 }
 
-/// The one for this primitive, which may be new.
+/// The body for this primitive; created if needed.
 PrimitiveBody& bodyFor(const ScenePrimitive& primitive, std::vector<PrimitiveBody>& bodies) {
   const bool follows_head = primitive.joint.empty() && primitive.follows_head;
   const auto shared = std::find_if(bodies.begin(), bodies.end(), [&](const PrimitiveBody& known) {
@@ -101,13 +101,13 @@ PrimitiveBody& bodyFor(const ScenePrimitive& primitive, std::vector<PrimitiveBod
 }  // namespace
 
 void checkNames(const std::vector<ScenePrimitive>& primitives, const std::string& body_name) {
-  std::map<std::string, std::string> named{{body_name, "[body]"}};  // where
+  std::map<std::string, std::string> named{{body_name, "[body]"}};  // name -> where it is defined
   for (const ScenePrimitive& primitive : primitives) {
     if (primitive.name.empty()) continue;
     const auto [first, is_new] = named.try_emplace(primitive.name, primitive.where);
     if (!is_new)
       throw Error("two bodies are called '" + primitive.name + "'", primitive.where,
-                  fmt::format("give it a name of its own: the other is {}", first->second));
+                  fmt::format("give it a unique name: the other is {}", first->second));
   }
 }
 
@@ -115,7 +115,7 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
                                 const TriangleMesh& body, const BakeProgress& progress,
                                 const BakeAnnouncement& bake_begins, const BakeLimits& limits) {
   PrimitiveBodies made;
-  made.bodies = {{{{}, true}, "", ""}, {}};  // the first two, whichever comes first
+  made.bodies = {{{{}, true}, "", ""}, {}};  // following the head, and static: always the first two
   for (size_t i = 0; i < primitives.size(); ++i) {
     ScenePrimitive primitive = primitives[i];
     const std::string name = primitive.file.filename().string();
@@ -152,7 +152,7 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
     of.body.primitives.push_back(std::move(shape));
     of.body.pose = pose;
     if (primitive.file.empty()) continue;
-    hash.add(of.mesh_hash);  // of the files before it
+    hash.add(of.mesh_hash);  // of previous files
     of.mesh_hash = hash.value();
   }
   std::erase_if(made.bodies, [](const PrimitiveBody& none) { return none.body.primitives.empty(); });

@@ -7,60 +7,59 @@
 
 #include "core/contact_primitive.h"
 #include "core/simulation.h"
-#include "groom/groom_file.h"
+#include "io/groom_file.h"
 #include "scenes/field_cache.h"
 
 namespace strandcast {
 
-/// What one [[body.primitives]] table says: a further body that hair collides with.
+/// One [[body.primitives]] table: a further body with which hair collides.
 struct ScenePrimitive {
-  /// Of kConvex and kField only `a`, `rotation` and `friction`: what they consist of is made of `file`.
+  /// For kConvex and kField only `a`, `rotation` and `friction` are used; the geometry comes from `file`.
   ContactPrimitive shape;
-  bool follows_head = true;  ///< else it stands, or goes with `joint`
-  /// Of a skinned body: it goes with it from where it is placed, which is as the body is at rest. Empty =
-  /// none.
+  bool follows_head = true;  ///< else it is static, or moves with `joint`
+  /// Joint of a skinned body that carries it. It is placed relative to the body at rest. Empty: none.
   std::string joint;
-  std::string name;  ///< that commands know it by, as a body of its own; empty = none
-  /// Mesh of a convex body or of a field, which is turned by `rotation`, then moved by `a`.
+  std::string name;  ///< name in commands, as a body of its own; empty: none
+  /// Mesh of a convex body or field, rotated by `rotation`, then translated by `a`.
   std::filesystem::path file;
-  /// Of that file; unit 0 and kAuto = metres and Y up of glTF, of .obj those of the hair.
+  /// Units of `file`. Unit 0 and kAuto: metres and Y up for glTF, those of the hair for .obj.
   GroomReadOptions units;
-  /// Folder that `file` is relative to and that it and its buffers are read beneath (readBeneath); empty =
-  /// they may be anywhere.
+  /// Folder to which `file` is relative and to which it and its buffers are confined (readBeneath). Empty: no
+  /// restriction.
   std::filesystem::path beneath;
-  float cell = 0;     ///< m, of a field; 0 = the body's
+  float cell = 0;     ///< m, of a field; 0: that of the body
   std::string where;  ///< for errors: file and line
 };
 
-/// How meshes of further bodies become them, in a scene and in a daemon that casts it.
+/// Options for meshes of further bodies, in a scene and in a running daemon.
 struct MeshBodyOptions {
-  GroomReadOptions obj_units;   ///< of .obj files that have none of their own: those of the hair
-  FieldOptions field;           ///< the hair's radius, and the cell of meshes that have none of their own
-  std::filesystem::path cache;  ///< folder of baked fields; empty = every time anew
+  GroomReadOptions obj_units;   ///< of .obj files without units of their own: those of the hair
+  FieldOptions field;           ///< radius of the hair, and cell of meshes without a cell of their own
+  std::filesystem::path cache;  ///< folder of baked fields; empty: no cache
 };
 
-/// A body that is made of one or more primitives.
+/// A body made of one or more primitives.
 struct PrimitiveBody {
   RigidBody body;
-  std::string joint;  ///< that it goes with; its pose is from where that is at rest
-  std::string name;   ///< of the one that it is made of
-  /// Hash of the meshes that its shapes are made of, in metres and as their files have them; 0 = of none.
+  std::string joint;  ///< joint that carries it; the pose is relative to the joint at rest
+  std::string name;   ///< name of its primitive
+  /// Hash of the meshes of its shapes, in metres and before placement; 0: it has no mesh.
   uint64_t mesh_hash = 0;
 };
 
-/// What is made of the primitives of a scene.
+/// The bodies made from the primitives of a scene.
 struct PrimitiveBodies {
-  /// Where there are such shapes, one that follows the head, one that stands, and one for each joint; and
-  /// each that has a name. That one, where it stands, has its origin and its axes in its pose: a move takes
-  /// it to where it is told.
+  /// Where shapes need them: one body that follows the head, a static one, one per joint, and one per named
+  /// primitive. A named static body has the primitive's position and rotation in its pose, so that a command
+  /// can set the pose.
   std::vector<PrimitiveBody> bodies;
   std::vector<std::string> notes, warnings;  ///< a line each
 };
 
-/// Throws Error where two primitives have one name, or one that of the body which hair grows on.
+/// Throws Error when two primitives have the same name, or one has the name of the body on which hair grows.
 void checkNames(const std::vector<ScenePrimitive>& primitives, const std::string& body_name);
 
-/// Reads the meshes of `primitives`. `body`: the mesh that is drawn, may be empty.
+/// Reads the meshes of `primitives` and makes their bodies. `body`: the mesh that is drawn, may be empty.
 /// Throws Error as loadMesh, convexBody, FieldBaker and checkPrimitive do; BakeStopped.
 PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, const MeshBodyOptions& options,
                                 const TriangleMesh& body, const BakeProgress& progress,

@@ -17,20 +17,20 @@
 namespace strandcast {
 namespace {
 
-/// Two joints, the lower number first, and the part between them: 0 is the first joint's own.
+/// Position of a triangle between two joints, the lower index first.
 struct Place {
   uint32_t a = 0, b = 0;
-  float share = 0;  ///< of b, of what both have
+  float share = 0;  ///< weight of b over the sum of both
 };
-/// A joint, another or itself, and which part between them. With itself: 0 is its own, others are of what
-/// morph targets move of that.
+/// Key of a part: two joints and a number. With two equal joints, number 0 is the joint's own part; others
+/// hold what morph targets move of it.
 using PartKey = std::array<uint32_t, 3>;
 
-/// What is between two joints.
+/// Statistics of the triangles between two joints.
 struct Pair {
-  int between;      ///< parts
-  double area = 0;  ///< m^2, of triangles that these two carry most of
-  /// Of pairs, whose part is missed least.
+  int between;      ///< number of parts
+  double area = 0;  ///< m^2, of triangles dominated by these two joints
+  /// Order in which pairs lose a part, least important first.
   std::pair<bool, double> rank() const { return {between == 1, area / between}; }
 };
 
@@ -76,7 +76,7 @@ class Cutter {
                     skin.mesh.name + ", joint " + nameOf(skin.bindings[b].joint),
                     "export it with a scale above 0");
     }
-    back_.resize(rest.size(), Eigen::Matrix3d::Zero());  // of targets: they turn nothing
+    back_.resize(rest.size(), Eigen::Matrix3d::Zero());  // of targets: they do not rotate
     moved_ = movedByTargets(rest);
     for (size_t t = 0; t < places_.size(); ++t)
       if (moved_[t]) boxes_[ownOf(places_[t])[0]].extend(Eigen::Vector3f(middleOf(t)));
@@ -104,8 +104,10 @@ class Cutter {
   }
 
  private:
-  static constexpr float kOwn = 0.02f;   // share of another joint in a joint's own part, which is rigid
-  static constexpr float kReach = 0.3f;  // share of the joint, of a rigid part beside another
+  // Share of another joint up to which a triangle is in a joint's own, rigid part.
+  static constexpr float kOwn = 0.02f;
+  // Share of the joint from which a rigid part reaches into a rigid neighbour.
+  static constexpr float kReach = 0.3f;
 
   std::string nameOf(uint32_t joint) const { return skin_.skeleton.joints[joint].name; }
   double areaOf(const std::array<uint32_t, 3>& t) const {
@@ -128,7 +130,8 @@ class Cutter {
     return (joint == place.a ? 1 - place.share : 0) +
            (joint == place.b && place.b != place.a ? place.share : 0);
   }
-  /// The part of what targets move of a joint's own, by its cell of the box about all that they move of it.
+  /// Key of the part of a joint's own triangle. Triangles that targets move are divided by cells of their
+  /// bounding box.
   PartKey movedOf(size_t triangle) const {
     PartKey key = ownOf(places_[triangle]);
     if (!moved_[triangle] || cells_ == 0) return key;
@@ -145,7 +148,7 @@ class Cutter {
     for (const uint32_t v : fine_.triangles[triangle]) sum += fine_.positions[v] / 3;
     return sum;
   }
-  /// Per triangle, whether a target moves a corner of it, from where the joints are at rest.
+  /// Per triangle, whether a target moves one of its corners when the joints are at rest.
   std::vector<bool> movedByTargets(std::span<const Placement> rest) const {
     constexpr double kLeast = 1e-5;  // m, at a weight of 1
     std::vector<bool> vertices;
@@ -161,8 +164,8 @@ class Cutter {
     return out;
   }
 
-  /// One part fewer between the two joints whose parts are the smallest; none only after all have but one.
-  /// False where there are none.
+  /// Removes one part from the pair of joints with the smallest parts; the last part of a pair only after all
+  /// pairs have one. Returns false if there is none.
   bool lessBetween() {
     Pair* smallest = nullptr;
     for (auto& [joints, pair] : pairs_)
@@ -199,8 +202,8 @@ class Cutter {
     part.mesh.name = fmt::format("{}, part {}", skin_.mesh.name, part.name);
     std::set<uint32_t> own;
     for (const size_t t : core) own.insert(fine_.triangles[t].begin(), fine_.triangles[t].end());
-    // Its own and a ring about them, so that nothing opens between parts; but a rigid part would stand out of
-    // one that bends. Where nothing bends between them, rigid parts reach farther.
+    // The part's own triangles and a ring around them, so that no gaps open between parts. A rigid part
+    // leaves out bending triangles: it would protrude from them. Beside rigid neighbours it reaches farther.
     std::vector<std::array<uint32_t, 3>> triangles;
     for (size_t t = 0; t < places_.size(); ++t) {
       if (key[2] == 0 && bends_[t]) continue;
@@ -216,12 +219,12 @@ class Cutter {
     return part;
   }
 
-  /// Vertices that are each as far as can be from those before.
+  /// Farthest point sampling of vertices.
   void sample(const std::vector<std::array<uint32_t, 3>>& triangles, SkinPart& part) const {
-    constexpr size_t kSamples = 96;  // ten terms follow from them
+    constexpr size_t kSamples = 96;  // the bend has ten terms
     std::set<uint32_t> all;
     for (const auto& triangle : triangles) all.insert(triangle.begin(), triangle.end());
-    std::map<uint32_t, float> away;  // m^2, from the nearest sample
+    std::map<uint32_t, float> away;  // m^2, to the nearest sample
     for (const uint32_t v : all) away[v] = std::numeric_limits<float>::max();
     for (size_t n = 0; n < std::min(kSamples, all.size()); ++n) {
       const auto farthest = std::max_element(
@@ -233,15 +236,15 @@ class Cutter {
     }
   }
 
-  /// The triangles and, about the middle of each of their open edges' rings, a fan that closes it.
+  /// Closes the triangles: each ring of open edges gets a fan about its centre.
   TriangleMesh closed(std::vector<std::array<uint32_t, 3>> triangles, const std::string& name) const {
-    std::map<std::pair<uint32_t, uint32_t>, int> edges;  // directed, less those the other way round
+    std::map<std::pair<uint32_t, uint32_t>, int> edges;  // count of directed edges minus opposite ones
     for (const auto& t : triangles)
       for (int c = 0; c < 3; ++c) {
         const uint32_t from = t[static_cast<size_t>(c)], to = t[static_cast<size_t>((c + 1) % 3)];
         edges[std::minmax(from, to)] += from < to ? 1 : -1;
       }
-    std::map<uint32_t, uint32_t> ring;  // vertex -> another of the same ring
+    std::map<uint32_t, uint32_t> ring;  // union-find over the vertices of a ring
     const auto find = [&](uint32_t v) {
       while (ring.at(v) != v) v = ring[v] = ring.at(ring.at(v));
       return v;
@@ -251,7 +254,7 @@ class Cutter {
       for (const uint32_t v : {edge.first, edge.second}) ring.try_emplace(v, v);
       ring[find(edge.first)] = find(edge.second);
     }
-    std::map<uint32_t, std::pair<Vec3, float>> middles;  // ring -> sum of places, length
+    std::map<uint32_t, std::pair<Vec3, float>> middles;  // ring -> length-weighted sum of positions, length
     for (const auto& [edge, count] : edges) {
       if (count == 0) continue;
       const Vec3 &a = fine_.positions[edge.first], &b = fine_.positions[edge.second];
@@ -284,12 +287,13 @@ class Cutter {
 
   void fit(const PartKey& key, const std::vector<size_t>& core, SkinPart& part) const {
     constexpr double kWhole = 0.999;
-    constexpr double kLean = 1e-3;  // on the joints' own rotations, where vertices lie on a line
+    // Regularisation towards the joints' own rotations, for collinear vertices.
+    constexpr double kLean = 1e-3;
     const auto wholly = [&](uint32_t v) {
       double weight = 0;
       for (const SkinShare& share : fine_.shares[v])
         if (share.binding < skin_.bindings.size() && skin_.bindings[share.binding].joint == key[0])
-          weight += share.weight();  // targets' shares have none
+          weight += share.weight();  // shares of targets have no weight
       return weight > kWhole;
     };
     std::map<uint32_t, double> areas;
@@ -303,7 +307,7 @@ class Cutter {
         whole_area += key[2] == 0 && wholly(v) ? third : 0;
       }
     }
-    // A joint's own part goes with the joint, as most of it does.
+    // A joint's own part moves with the joint if more than a quarter of it is weighted to the joint alone.
     const bool joint_alone = whole_area > 0.25 * area;
     if (joint_alone) std::erase_if(areas, [&](const auto& entry) { return !wholly(entry.first); });
     double sum = 0;
@@ -335,21 +339,16 @@ class Cutter {
   const SkinnedMesh& skin_;
   const FineSkin fine_;
   std::map<std::pair<uint32_t, uint32_t>, Pair> pairs_;
-  std::vector<Place> places_;          ///< per triangle
-  std::vector<bool> bends_;            ///< per triangle: it is of a part that bends
-  std::vector<bool> moved_;            ///< per triangle, by targets
-  std::map<uint32_t, Box> boxes_;      ///< joint -> about what of its own targets move, m
-  int cells_ = 2;                      ///< of such a box along its long axes; 0 = own parts bend as a whole
-  std::vector<Eigen::Matrix3d> back_;  ///< per binding
+  std::vector<Place> places_;      ///< per triangle
+  std::vector<bool> bends_;        ///< per triangle: it is in a part that bends
+  std::vector<bool> moved_;        ///< per triangle: targets move it
+  std::map<uint32_t, Box> boxes_;  ///< joint -> bounds of its own triangles that targets move, m
+  int cells_ = 2;                  ///< cells of such bounds along the long axes; 0: own parts bend as a whole
+  std::vector<Eigen::Matrix3d> back_;  ///< per binding, the inverse of its linear part at rest
   std::map<PartKey, std::vector<size_t>> cores_;
 };
 
 }  // namespace
-
-Quat turnOf(const Placement& joint) {
-  const Eigen::Matrix3d linear = joint.linear();
-  return nearestRotation(linear.determinant() < 0 ? Eigen::Matrix3d(-linear) : linear);
-}
 
 std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, int between) { return Cutter(skin, between).run(); }
 
@@ -367,8 +366,9 @@ Pose partPose(const SkinPart& part, std::span<const Placement> bindings) {
 
 SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, const Pose& pose) {
   using Products = Eigen::Matrix<double, 10, 1>;
-  constexpr double kLean = 1e-4;   // on no change, where samples do not tell
-  constexpr double kOff = 0.05;    // of the part's size: so far off the skin it is to go as the skin does
+  constexpr double kLean = 1e-4;   // regularisation towards no bend, where samples do not determine it
+  constexpr double kOff = 0.05;    // share of the part's size: distance from the skin up to which the bend is
+                                   // to move space with the skin
   constexpr double kLeast = 1e-5;  // m
   const Eigen::Vector3d middle = part.middle;
   const Eigen::Quaterniond back = pose.rotation.cast<double>().conjugate();

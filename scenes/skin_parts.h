@@ -4,16 +4,16 @@
 #include <vector>
 
 #include "core/surface_bend.h"
-#include "groom/skinned_mesh.h"
+#include "io/skinned_mesh.h"
 #include "scenes/fine_skin.h"
 
 namespace strandcast {
 
-/// A piece of a skinned mesh that moves nearly rigidly: what has nearly the same weights.
+/// A piece of a skinned mesh with nearly uniform weights, which therefore moves nearly rigidly.
 struct SkinPart {
-  std::string name;   ///< of its joint; between two of them, of both
-  TriangleMesh mesh;  ///< of the mesh at rest, closed with caps where it was cut and where it is open; m
-  /// What the rigid motion that fits the blended vertices best (Kabsch 1976) is made of.
+  std::string name;   ///< name of its joint; of a part between two joints, the names of both
+  TriangleMesh mesh;  ///< the mesh at rest, with caps that close cuts and openings; m
+  /// One binding's terms of the least-squares rigid motion of the blended vertices (Kabsch 1976).
   struct Moment {
     uint32_t binding;
     Eigen::Matrix<double, 4, 3, Eigen::DontAlign> spread;
@@ -21,7 +21,7 @@ struct SkinPart {
   };
   std::vector<Moment> moments;
   Eigen::Matrix<double, 3, 1, Eigen::DontAlign> middle;  ///< at rest, m
-  /// Points all over a part that bends, by which its bend is found.
+  /// Points spread over a part that bends, to which its bend is fitted.
   struct Sample {
     Vec3 rest, normal;  ///< m, at rest
     std::vector<SkinShare> shares;
@@ -29,27 +29,26 @@ struct SkinPart {
   std::vector<Sample> samples;
 };
 
-/// Cuts a skinned mesh, as FineSkin has it, into closed parts, at most kMostSkinParts: where there would be
-/// more, with fewer between the joints that have the smallest. A triangle belongs to the two joints with the
-/// largest sum of weights over its corners, and to the part for their shares: a joint's own, which is rigid,
-/// or one of `between`, 0 or more, parts where their weights go over from one to the other, which bend. What
-/// morph targets move of a joint's own is up to eight parts beside it, which bend; where these would be too
-/// many, the joint's own bends as a whole. Throws Error on a joint that has no inverse at rest, and on too
-/// many joints.
+/// Cuts a skinned mesh, refined as FineSkin, into at most kMostSkinParts closed parts.
+///
+/// A triangle belongs to the two joints with the largest sums of weights over its corners, and to a part by
+/// the ratio of these sums. Each joint has a rigid part of its own. Between two joints there are `between` (0
+/// or more) parts, which bend. Too many parts are reduced first between the joints with the smallest ones.
+///
+/// The triangles of a joint's own part that morph targets move form up to eight further parts, which bend. If
+/// these are too many, the joint's own part bends as a whole.
+///
+/// Throws Error on a joint whose matrix at rest has no inverse, and on too many joints.
 std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, int between = 5);
 inline constexpr size_t kMostSkinParts = 100;
 
-/// How a part is moved from rest. A part whose vertices hang on one joint moves with it, others with the
-/// rigid motion that brings the cut-out vertices nearest to where they are blended, in the mean of squares.
-/// `bindings`: of SkinnedMesh::bindingsAt.
+/// Motion of a part from rest. A part whose vertices are weighted to one joint moves with that joint. Other
+/// parts have the rigid motion that fits their blended vertices best in the least-squares sense. `bindings`:
+/// result of SkinnedMesh::bindingsAt.
 Pose partPose(const SkinPart& part, std::span<const Placement> bindings);
 
-/// How the part at `pose` is bent on top of it, in the mean of squares over its samples, by `bindings` as of
-/// partPose(). None where that is less than 10 um.
+/// Bend of a part relative to `pose`, fitted to its samples by least squares. `bindings`: as in partPose().
+/// No bend if all displacements are below 10 um.
 SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, const Pose& pose);
-
-/// How a joint is turned; where it is a mirror image, how the image through its middle is. From one such to
-/// another the rotation is the joint's own.
-Quat turnOf(const Placement& joint);
 
 }  // namespace strandcast

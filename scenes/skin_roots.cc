@@ -18,18 +18,18 @@
 namespace strandcast {
 namespace {
 
-constexpr int64_t kNoCell = std::numeric_limits<int64_t>::min();  // in place of a cell
-using BoneKey = std::array<int64_t, 4>;  ///< a joint and a cell of space, or kNoCell, or a strand's number
+constexpr int64_t kNoCell = std::numeric_limits<int64_t>::min();  // stands for no cell
+using BoneKey = std::array<int64_t, 4>;  ///< a joint, and a cell of space, kNoCell, or the number of a strand
 
-/// A root that is near the skin.
+/// A root near the skin.
 struct TiedRoot {
   size_t strand;
   MeshPoint on;
-  uint32_t joint;  ///< that carries most of the skin there
-  bool whole;      ///< it carries all of it, rigidly
+  uint32_t joint;  ///< the joint with the largest weight there
+  bool whole;      ///< that joint has the whole weight and is rigid
 };
 
-/// The joint that carries most of a point of the skin, and whether it carries all.
+/// The joint with the largest weight at a point of the skin, and whether it has all the weight.
 std::pair<uint32_t, bool> mostOf(const SkinnedMesh& skin, const MeshPoint& on) {
   std::map<uint32_t, float> weights;
   for (int c = 0; c < 3; ++c)
@@ -41,7 +41,7 @@ std::pair<uint32_t, bool> mostOf(const SkinnedMesh& skin, const MeshPoint& on) {
   return {most->first, weights.size() == 1};
 }
 
-/// Whether morph targets move it. `shares`: of all vertices; empty where there are no targets.
+/// Whether morph targets move a point. `shares`: of all vertices; empty if there are no targets.
 bool isMoved(const SkinnedMesh& skin, const std::vector<std::vector<SkinShare>>& shares,
              const MeshPoint& on) {
   if (shares.empty()) return false;
@@ -60,8 +60,8 @@ BoneKey keyOf(const TiedRoot& root, float cell) {
   return key;
 }
 
-/// m: the edge of the smallest cells, each size a fifth larger than the one before, of which there are no
-/// more than `most`; 0 where every root may have a bone.
+/// Edge in m of the smallest cells, in steps of a factor 1.2, that need no more than `most` bones; 0 if each
+/// root may have a bone.
 float cellOf(const std::vector<TiedRoot>& roots, const BoneKey& head, size_t most) {
   constexpr float kFinest = 5e-4f, kLarger = 1.2f;
   for (float cell = 0;; cell = cell > 0 ? kLarger * cell : kFinest) {
@@ -70,7 +70,7 @@ float cellOf(const std::vector<TiedRoot>& roots, const BoneKey& head, size_t mos
     keys.erase(head);
     if (keys.size() <= most) return cell;
     if (cell > 2 * kFarthestPose)
-      throw Error("there are too few bones for the joints that hair grows on",
+      throw Error("too few bones for the joints that hair grows on",
                   fmt::format("{} of {}", most, keys.size()), "pin hair to fewer bones");
   }
 }
@@ -106,14 +106,14 @@ SkinRoots::SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, ui
   }
   const std::string& name = skin.skeleton.joints[joint].name;
   if (!roots.empty())
-    notes_.push_back(fmt::format("{} of {} roots go with the skin under them, {} of these with all of '{}'",
+    notes_.push_back(fmt::format("{} of {} roots follow the skin under them, {} of these all of '{}'",
                                  roots.size(), strands.strands(), on_head, name));
   if (cell > 0)
     notes_.push_back(
         fmt::format("there are more roots than bones: those within {:.2g} mm of each other share one of {}",
                     1e3f * cell, points_.size()));
   if (const size_t far = strands.strands() - roots.size(); far > 0)
-    notes_.push_back(fmt::format("{} of {} roots are farther than {:g} mm from the skin: they go with '{}'",
+    notes_.push_back(fmt::format("{} of {} roots are farther than {:g} mm from the skin: they follow '{}'",
                                  far, strands.strands(), 1e3f * kFarthestFromSkin, name));
 }
 
@@ -121,7 +121,8 @@ void SkinRoots::addPoint(const SkinnedMesh& skin, const std::vector<std::vector<
                          std::span<const Placement> rest, const std::array<uint32_t, 3>& triangle,
                          const Vec3& barycentric) {
   std::map<uint32_t, Eigen::Vector4d> terms;
-  std::map<uint32_t, std::array<Eigen::Vector3d, 3>> moves;  // target -> of the corners at rest, m
+  // Target -> displacements of the corners at rest, m.
+  std::map<uint32_t, std::array<Eigen::Vector3d, 3>> moves;
   for (int c = 0; c < 3; ++c) {
     const uint32_t v = triangle[static_cast<size_t>(c)];
     for (const auto& [binding, weight] : skin.influences[v]) {
@@ -158,8 +159,8 @@ void SkinRoots::addPoint(const SkinnedMesh& skin, const std::vector<std::vector<
   }
 }
 
-/// How targets turn the triangle under a root, from where joints are at rest: the nearest rotation to what
-/// takes its edges and its normal there.
+/// Rotation of the triangle under a root by targets, with joints at rest: the rotation nearest to the linear
+/// map of its edges and normal.
 Eigen::Matrix3d SkinRoots::turnByTargets(const Point& point, std::span<const float> weights) const {
   Columns edges = point.edges;
   for (const Tilt& tilt : point.tilts)
@@ -179,8 +180,8 @@ Eigen::Matrix3d SkinRoots::turnByTargets(const Point& point, std::span<const flo
 
 void SkinRoots::addTo(StrandModel& model) const {
   if (model.strands() != root_bones_.size() || model.bones.size() != 1 || !model.pin_bones.empty())
-    throw Error("roots on a skin are not those of this model", "SkinRoots::addTo",
-                "tie the model of the same strands, before anything is pinned to bones");
+    throw Error("the roots on the skin do not belong to this model", "SkinRoots::addTo",
+                "pass the model of the same strands, before anything is pinned to bones");
   if (points_.empty()) return;
   for (size_t bone = 1; bone <= points_.size(); ++bone) model.bones.push_back(fmt::format("skin {}", bone));
   model.root_bones = root_bones_;

@@ -7,57 +7,58 @@
 #include <vector>
 
 #include "core/strand_model.h"
-#include "groom/skinned_mesh.h"
+#include "io/skinned_mesh.h"
 #include "scenes/fine_skin.h"
 
 namespace strandcast {
 
-/// What the roots of hair on a skinned body move with.
+/// What carries the roots of hair on a skinned body.
 enum class BodyRoots : uint8_t {
-  kSkin,  ///< each with the skin under it, as that is blended
-  kJoint  ///< all with the joint that hair grows on
+  kSkin,  ///< each root moves with the blended skin under it
+  kJoint  ///< all roots move with the joint on which hair grows
 };
 
-/// m: roots farther than this from the skin at rest stay on the joint that hair grows on.
+/// m. Roots farther than this from the skin at rest move with the joint on which hair grows.
 constexpr float kFarthestFromSkin = 0.02f;
 
-/// Roots of strands that stay on a skin: each goes with the nearest point of the mesh at rest as that is
-/// blended and morph targets move it, keeps its way from there, and is turned as the bindings' turns since
-/// rest, blended there, are nearest to a rotation, after targets have turned the triangle that it is on.
-/// Bones of a model carry them, one a root; roots that hang wholly on one joint, which carries them rigidly,
-/// share that joint's.
+/// Attachment of strand roots to a skin. Each root moves with the closest point of the mesh at rest, as
+/// blending and morph targets move that point, at a constant offset. Its rotation is the one
+/// nearest to the blended linear parts of bindings (relative to rest), applied after the rotation of the
+/// triangle by targets.
+///
+/// Bones of the model carry the roots, one per root. Roots over skin that is weighted to a single rigid joint
+/// share that joint's bone.
 class SkinRoots {
  public:
-  /// `rigid`: per joint, whether it never stretches what hangs on it. `joint`: the one that hair grows on,
-  /// whose bone is the head. More than `most` bones beside it there are not: where roots would need them,
-  /// those that lie within a cell of space and hang on the same joint most share one. Error where even so
-  /// there are too few.
+  /// `rigid`: per joint, whether it moves its skin without stretch. `joint`: the joint on which hair grows;
+  /// its bone is the head. `most`: limit of bones besides the head. If more were needed, roots in the same
+  /// cell of space with the same dominant joint share a bone. Error if even these are too many.
   SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, uint32_t joint, const StrandSet& strands,
             size_t most = std::numeric_limits<uint16_t>::max());
 
-  size_t bones() const { return points_.size(); }  ///< beside the head
-  /// Per strand, the bone of a model that addTo() has added to; 0 is the head.
+  size_t bones() const { return points_.size(); }  ///< besides the head
+  /// Per strand, its bone in a model passed to addTo(); 0 is the head.
   std::span<const uint16_t> rootBones() const { return root_bones_; }
-  /// Adds the bones and ties the strands' roots to them. Of a model of these strands that has no bone but the
-  /// head and pins nothing to it yet, else Error.
+  /// Adds the bones to a model of these strands and attaches the roots to them. Error unless the head is the
+  /// model's only bone and nothing is pinned to it yet.
   void addTo(StrandModel& model) const;
-  /// Where bone 1 and on are relative to rest. `bindings`: of SkinnedMesh::bindingsAt, made with `weights`
-  /// (empty = as at rest). `poses`: bones().
+  /// Poses relative to rest of bones 1 and up. `bindings`: result of SkinnedMesh::bindingsAt for `weights`
+  /// (empty: as at rest). `poses`: bones() elements.
   void place(std::span<const Placement> bindings, std::span<const float> weights,
              std::span<Pose> poses) const;
-  /// What was found, a line each.
+  /// Findings, one line each.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   using Columns = Eigen::Matrix<double, 3, 2, Eigen::DontAlign>;
-  /// What a target does, at weight 1, to two edges of the triangle at rest, m.
+  /// Displacement by a target, at weight 1, of two edges of the triangle at rest, m.
   struct Tilt {
     uint32_t target;
     Columns edges;
   };
   struct Point {
-    std::vector<SkinShare> terms;  ///< of its place
-    Columns edges;                 ///< of the triangle at rest, m; used where there are tilts
+    std::vector<SkinShare> terms;  ///< shares that determine its position
+    Columns edges;                 ///< of the triangle at rest, m; used if there are tilts
     std::vector<Tilt> tilts;
     Eigen::Matrix<double, 3, 1, Eigen::DontAlign> rest;  ///< m
   };
@@ -68,9 +69,9 @@ class SkinRoots {
   Eigen::Matrix3d turnByTargets(const Point& point, std::span<const float> weights) const;
 
   std::vector<Point> points_;
-  std::vector<float> rest_weights_;    ///< of the targets
-  size_t joint_bindings_ = 0;          ///< those of targets follow
-  std::vector<Eigen::Matrix3d> back_;  ///< per binding, what undoes its linear part at rest
+  std::vector<float> rest_weights_;    ///< per target
+  size_t joint_bindings_ = 0;          ///< number of joints' bindings; those of targets follow
+  std::vector<Eigen::Matrix3d> back_;  ///< per binding, the inverse of its linear part at rest
   std::vector<uint16_t> root_bones_;
   std::vector<std::string> notes_;
 };

@@ -7,9 +7,9 @@
 
 #include "core/error.h"
 #include "core/nearest_name.h"
-#include "groom/file_bytes.h"
-#include "groom/gltf_report.h"
-#include "scenes/bvh_skeleton.h"
+#include "io/bvh_skeleton.h"
+#include "io/file_bytes.h"
+#include "io/gltf_report.h"
 #include "scenes/ease.h"
 #include "scenes/head_motion.h"
 
@@ -17,7 +17,7 @@ namespace strandcast {
 namespace {
 
 Pose rigid(const Placement& placement) {
-  return {Vec3(placement.translation().cast<float>()), turnOf(placement)};
+  return {Vec3(placement.translation().cast<float>()), jointRotation(placement)};
 }
 
 Placement placementOf(const Pose& pose) {
@@ -27,7 +27,7 @@ Placement placementOf(const Pose& pose) {
   return out;
 }
 
-/// The first few of names out of a file, each once.
+/// The first few distinct names.
 std::string someOf(const std::vector<std::string>& names) {
   constexpr size_t kMost = 8;
   std::vector<std::string> shown;
@@ -40,7 +40,7 @@ std::string someOf(const std::vector<std::string>& names) {
   return fmt::format("{}{}", fmt::join(shown, ", "), are_more ? ", ..." : "");
 }
 
-/// Which of these names was meant, or which there are.
+/// Suggests the name that was probably meant, or lists those that exist.
 std::string meantOf(const std::string& name, const std::vector<std::string>& names) {
   const std::string near = didYouMean(name, names);
   return near.empty() ? fmt::format("it has {}", fmt::join(names, ", ")) : near;
@@ -54,8 +54,8 @@ size_t jointNamed(const Skeleton& skeleton, const std::string& name, const std::
   throw Error("the body has no joint '" + name + "'", where, meantOf(name, names));
 }
 
-/// The joint of this name; without one that of the head. Joints that carry skin come first in the search for
-/// it: meshes have such names too.
+/// The joint called `name`. Without a name, the head's joint among those that carry skin (other nodes, such
+/// as meshes, may have such names, too), or the only joint that carries skin.
 size_t rootedJoint(const SkinnedMesh& skin, const std::string& name) {
   if (!name.empty()) return jointNamed(skin.skeleton, name, skin.mesh.name);
   Skeleton carrying;
@@ -98,7 +98,7 @@ SkeletonClip clipNamed(SkinnedMesh& skin, const SkinnedMotion& motion, std::vect
               without.empty() ? there : there + "; it was read " + without);
 }
 
-/// The parts of the skin wound as orientSurface has it: their fans close them as their triangles are wound.
+/// Cuts the parts from the skin wound as by orientSurface: the caps take their winding from it.
 std::vector<SkinPart> cutOriented(const SkinnedMesh& skin, SurfaceRepair& repair) {
   OrientedSurface oriented = orientSurface(skin.mesh);
   repair = oriented.repair;
@@ -132,7 +132,7 @@ SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
   tellOfTravel();
 }
 
-/// Of the joint that comes farthest.
+/// Notes the travel of the joint that travels farthest.
 void SkinnedBody::tellOfTravel() {
   const std::vector<Placement> placed = skin_.skeleton.place(first_);
   size_t farthest = 0;
@@ -150,7 +150,7 @@ void SkinnedBody::tellOfTravel() {
     notes_.push_back(travelText("the clip " + clip_.name, nameOf(farthest), most));
 }
 
-/// Of the clips and of the targets only those that are played stay.
+/// Selects the clip and discards other clips and the targets that it does not play.
 void SkinnedBody::choose(const SkinnedMotion& motion) {
   clip_ = clipNamed(skin_, motion, notes_);
   skin_.clips.clear();
@@ -239,7 +239,7 @@ std::vector<Vec3> SkinnedBody::surface(double seconds, const Pose& head) const {
   return skin_.blended(moment.joints, moment.weights);
 }
 
-/// Per joint, whether neither it nor what it hangs on ever stretches what hangs on it.
+/// Per joint, whether neither it nor an ancestor has an animated or non-uniform scale.
 std::vector<bool> SkinnedBody::rigidJoints() const {
   constexpr float kRounding = 1e-5f;
   std::vector<bool> rigid(skin_.skeleton.joints.size(), true);

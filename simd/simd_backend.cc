@@ -30,7 +30,7 @@ const simd::SimdTarget& chooseTarget(const std::string& name) {
   throw Error("the instruction set cannot run here", name, "choose one of " + names);
 }
 
-/// Blocks do not touch one another, so neither the number of threads nor their order changes a bit.
+/// Blocks are independent: neither the number of threads nor their order changes the result.
 class SimdBackend final : public Backend {
  public:
   SimdBackend(int threads, const simd::SimdTarget& target)
@@ -52,7 +52,7 @@ class SimdBackend final : public Backend {
     arena_.initialize();
     upload(state);
   }
-  void expect(const Parameters& parameters, bool bodies) override { store_.expect(parameters, bodies); }
+  void prepare(const Parameters& parameters, bool bodies) override { store_.prepare(parameters, bodies); }
   void upload(const StrandState& state) override {
     store_.upload(state);
     for (size_t b = 0; b < store_.blocks(); ++b) store_.readPositions(b, guides_);
@@ -61,7 +61,7 @@ class SimdBackend final : public Backend {
   void download(StrandState& state) override { store_.download(state); }
 
   void step(const StepInput& input) override {
-    expect(*input.parameters, !input.primitives.empty());
+    prepare(*input.parameters, !input.primitives.empty());
     velocities_are_newest_ = !input.accelerations.empty();
     if (velocities_are_newest_) velocities_.resize(guides_.size());
     forBlocks([&](size_t begin, size_t end, int thread) {
@@ -70,7 +70,7 @@ class SimdBackend final : public Backend {
   }
   std::span<const Vec3> guides() override { return guides_; }
   bool takesAccelerations() const override { return true; }
-  void expectAccelerations() override { velocities_.resize(guides_.size()); }
+  void prepareAccelerations() override { velocities_.resize(guides_.size()); }
   std::span<const Vec3> velocities() override {
     if (velocities_are_newest_) return velocities_;
     velocities_.resize(guides_.size());
@@ -82,7 +82,8 @@ class SimdBackend final : public Backend {
   }
 
  private:
-  /// Calls work(begin, end, thread) for ranges of blocks, on all threads.
+  /// Calls work(begin, end, thread) for disjoint ranges of all blocks, in parallel. `thread`: 0 to threads_ -
+  /// 1.
   template <class Work>
   void forBlocks(const Work& work) {
     if (threads_ == 1) return work(0, store_.blocks(), 0);
@@ -97,7 +98,8 @@ class SimdBackend final : public Backend {
     for (size_t b = begin; b < end; ++b) {
       target_.kernel.step_block(store_.block(b, input, scratch), input, scratch);
       store_.readPositions(b, guides_);
-      // What gives accelerations asks for velocities; they are at hand now, and far when it does.
+      // A caller that gives accelerations reads velocities after the step. Copied here, they are still in
+      // cache.
       if (velocities_are_newest_) store_.readVelocities(b, velocities_);
     }
   }
@@ -108,8 +110,8 @@ class SimdBackend final : public Backend {
   BlockStore<float> store_;
   size_t scratch_stride_ = 0;                              ///< floats per thread
   std::vector<float, CacheLineAllocator<float>> scratch_;  ///< threads x scratch_stride_
-  std::vector<Vec3> guides_, velocities_;  ///< velocities: empty until accelerations are expected
-  bool velocities_are_newest_ = false;     ///< or to be, of a step that has accelerations
+  std::vector<Vec3> guides_, velocities_;  ///< velocities_: empty until accelerations are used
+  bool velocities_are_newest_ = false;     ///< velocities_ is up to date, or will be when the step ends
 };
 
 }  // namespace

@@ -17,7 +17,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace strandcast::simd::HWY_NAMESPACE {
 
-// The order matters.
+// In this order: the lane vocabulary comes first, and end_lanes.inl undefines it.
 // clang-format off
 #include "kernels/lanes_highway.inl"
 #include "core/block_step.inl"
@@ -36,10 +36,10 @@ HWY_EXPORT(kernel);
 
 std::vector<SimdTarget> runnableTargets() {
   std::vector<SimdTarget> out;
-  // HWY_TARGETS is what was compiled. Lower bits are better.
+  // HWY_TARGETS: the compiled targets. Lower bits are better.
   for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
     const int64_t target = left & -left;
-    hwy::ChosenTarget chosen;  // of its own: the process-wide choice stays as it is
+    hwy::ChosenTarget chosen;  // a local one: the process-wide choice stays unchanged
     chosen.Update(target);
     out.push_back({hwy::TargetName(target), HWY_DISPATCH_TABLE(kernel)[chosen.GetIndex()]()});
   }

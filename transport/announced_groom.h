@@ -8,7 +8,7 @@
 
 namespace strandcast {
 
-/// What the publisher of a network has announced: how it goes out, and which frames fit it.
+/// The groom that a publisher of a network has announced: its chunks, and the encoder of its frames.
 class AnnouncedGroom {
  public:
   AnnouncedGroom(uint32_t groom_id, uint64_t session, const CodecOptions& codec)
@@ -18,13 +18,13 @@ class AnnouncedGroom {
     std::vector<GroomChunk> groom;
     std::vector<BodyChunk> body;
   };
-  /// Throws Error as Publisher::announce does.
+  /// Throws Error as Publisher::announce().
   Chunks chunksOf(const GroomDescription& groom, const BodyDescription& body) const;
-  /// Its chunks are out: frames are of this groom from now on.
+  /// Call after its chunks are sent: frames are of this groom from now on.
   void accept(const GroomDescription& groom);
 
-  /// Calls send(chunk) for one chunk of the frame after another, as GuideEncoder::encodeAll; for none where
-  /// it is of another groom.
+  /// Calls send(chunk) for each chunk of the frame in order, as GuideEncoder::encodeAll(); for none where the
+  /// frame is of another groom.
   void divide(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send);
   EncodingReport encoding() const { return encoder_.report(); }
 

@@ -12,9 +12,9 @@
 
 namespace strandcast {
 
-/// Why `apply` refuses, by an Error; empty where it carries out what it is to.
+/// The text of the Error that `apply` throws; empty where it throws none.
 template <class Apply>
-std::string refusalOf(const Apply& apply) {
+std::string errorTextOf(const Apply& apply) {
   try {
     apply();
   } catch (const Error& error) {
@@ -23,19 +23,19 @@ std::string refusalOf(const Apply& apply) {
   return {};
 }
 
-/// Carries out a command by `apply`, which throws Error where it refuses, and answers it in `status`.
+/// Executes a command by `apply`, which throws Error to refuse it, and writes the answer to `status`.
 template <class Apply>
 void answerCommand(const Command& command, const Apply& apply, Status& status) {
   status.last_command = command.id;
-  status.last_command_error = refusalOf(apply);
+  status.last_command_error = errorTextOf(apply);
 }
 
-/// What daemons answered to the newest commands: kept when their next status, or their end, comes before
-/// anyone has looked. Thread-safe.
+/// The newest answers of daemons, kept after their next status and after their end. Thread-safe.
 class Answers {
  public:
+  /// Records the answer that a status has, if it has one.
   void post(const Status& status);
-  /// Empty text when `command` was carried out, the reason when it was refused, nothing on timeout.
+  /// Empty text when `command` was executed, the reason when it was refused, nothing on timeout.
   std::optional<std::string> wait(uint64_t command, std::chrono::milliseconds timeout) const;
 
  private:

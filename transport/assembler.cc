@@ -13,17 +13,16 @@ namespace {
 
 constexpr size_t kDescriptionsUnderWay = 2;
 constexpr size_t kFramesUnderWay = 4;
-/// Frames begun since the last chunk of one came, after which no more will come.
+/// Once so many frames have begun since the last chunk of a frame, no more of its chunks are expected.
 constexpr uint64_t kForgottenAfter = 8;
 
-/// An optional array: present with this many entries, or absent and empty.
+/// Whether an optional array has `count` entries if present, and none if absent.
 template <class T>
 bool hasLength(const std::vector<T>& values, bool present, uint64_t count) {
   return values.size() == (present ? count : 0);
 }
 
-/// Whether [first, first + count) lies within a total. In 64 bits, so that sums of outside numbers cannot
-/// wrap.
+/// Whether [first, first + count) lies within a total. 64 bits, so that sums of received numbers cannot wrap.
 bool isWithin(uint64_t first, uint64_t count, uint64_t total) {
   return first <= total && count <= total - first;
 }
@@ -79,7 +78,7 @@ bool agree(const GroomChunk& a, const GroomChunk& b) {
          a.name == b.name;
 }
 
-/// Null unless the chunks follow each other and make up the totals.
+/// Null unless the chunks are consecutive and make up the totals.
 std::shared_ptr<const GroomDescription> build(const std::map<uint32_t, GroomChunk>& chunks) {
   auto groom = std::make_shared<GroomDescription>();
   StrandSet& guides = groom->guides;
@@ -156,7 +155,7 @@ bool agree(const GuideChunk& a, const GuideChunk& b) {
          a.head_rotation == b.head_rotation;
 }
 
-/// Position and unit quaternion.
+/// Finite position and unit quaternion.
 bool isSoundPose(std::span<const float, 3> position, std::span<const float, 4> rotation) {
   float squared = 0;
   for (const float component : rotation) squared += component * component;
@@ -164,7 +163,7 @@ bool isSoundPose(std::span<const float, 3> position, std::span<const float, 4> r
          std::abs(squared - 1) < 1e-3f;  // false for NaN
 }
 
-/// Ids in the order of the colliders they are of, no more than once each.
+/// Whether the ids are in the order of the chunk's colliders, at most once each.
 bool hasSoundBends(const GuideChunk& chunk) {
   auto next = chunk.colliders.begin();
   for (const uint32_t id : chunk.bent_colliders) {
@@ -234,7 +233,7 @@ std::shared_ptr<const Description> DescriptionAssembler<Chunk, Description>::add
     return nullptr;
   }
   const uint32_t chunk_count = chunk.chunk_count, index = chunk.chunk_index;
-  pending->chunks.emplace(index, std::move(chunk));  // one received twice changes nothing
+  pending->chunks.emplace(index, std::move(chunk));  // a repeated chunk changes nothing
   if (pending->chunks.size() < chunk_count) return nullptr;
   std::shared_ptr<const Description> description = build(pending->chunks);
   if (!description) chunks_rejected_ += chunk_count;
@@ -293,8 +292,8 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
     return &pending_.front();
   }
   ++begun_;
-  // The one not fed for longest, not the one with the lowest number: a damaged number must not hold its
-  // place for ever, nor have all before it taken for overdue.
+  // Drop the least recently fed, not the lowest number: a damaged number must not keep its slot, nor make all
+  // frames before it overdue.
   while (!pending_.empty() &&
          (pending_.size() == kFramesUnderWay || begun_ - pending_.back().fed > kForgottenAfter))
     drop(std::prev(pending_.end()));
@@ -328,7 +327,7 @@ std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
     case FrameSequence::Place::kAnew:
       beginAnew();
   }
-  // Before anything is kept of it: a damaged payload leaves no trace.
+  // Before any state changes: a damaged payload has no effect.
   decoded_.resize(chunk.vertex_count);
   const DecodeResult decoded = decoder_.decode(chunk, decoded_);
   Pending* pending = decoded == DecodeResult::kDone ? pendingFor(chunk) : nullptr;
@@ -368,7 +367,7 @@ std::shared_ptr<const GuideFrame> GuideAssembler::complete(std::list<Pending>::i
 
 std::shared_ptr<const GuideFrame> GuideAssembler::concealOverdue() {
   auto oldest = pending_.end();
-  uint64_t later = 0;  // the newest frame of which a quarter is here
+  uint64_t later = 0;  // newest frame of which a quarter is here
   for (auto here = pending_.begin(); here != pending_.end(); ++here) {
     if (uint64_t{here->received} * 4 >= here->header.chunk_count) later = std::max(later, here->header.frame);
     if (oldest == pending_.end() || here->header.frame < oldest->header.frame) oldest = here;

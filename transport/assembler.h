@@ -13,17 +13,17 @@
 
 namespace strandcast {
 
-/// Put chunks back together, in any order, repeated or damaged. Every field is checked before it is used;
-/// memory grows with what was received, never with what a count promises. Not thread-safe.
+/// Assemble messages from chunks that arrive in any order, repeated or damaged. Every field is checked before
+/// it is used. Memory grows with the bytes received, never with the counts in a chunk. Not thread-safe.
 
-/// Collects the chunks of up to two descriptions at a time (of different sessions or revisions; the one not
-/// fed for longest gives way). `Chunk` is GroomChunk, BodyChunk or ColliderChunk, `Description` what it is
-/// part of.
+/// Collects the chunks of up to two descriptions of different session or revision; a third replaces the one
+/// that was fed least recently. `Chunk` is GroomChunk, BodyChunk or ColliderChunk; `Description` is the
+/// description that it is a part of.
 template <class Chunk, class Description>
 class DescriptionAssembler {
  public:
   explicit DescriptionAssembler(uint32_t groom_id) : groom_id_(groom_id) {}
-  /// The description that this chunk completed, or null. Takes the chunk's arrays.
+  /// The description that this chunk completed, or null. Moves the chunk's arrays.
   std::shared_ptr<const Description> add(Chunk&& chunk);
   uint64_t chunksRejected() const { return chunks_rejected_; }
 
@@ -33,7 +33,7 @@ class DescriptionAssembler {
   };
   Pending* pendingFor(const Chunk& chunk);
   const uint32_t groom_id_;
-  std::list<Pending> pending_;  // fed last first
+  std::list<Pending> pending_;  // most recently fed first
   uint64_t chunks_rejected_ = 0;
 };
 
@@ -41,28 +41,28 @@ using GroomAssembler = DescriptionAssembler<GroomChunk, GroomDescription>;
 using BodyAssembler = DescriptionAssembler<BodyChunk, BodyDescription>;
 using ColliderAssembler = DescriptionAssembler<ColliderChunk, ColliderSet>;
 
-/// Puts frames together that fit one groom. Chunks that come before there is a groom are dropped uncounted.
+/// Assembles frames of one groom. Chunks that come before the groom are dropped and not counted.
 class GuideAssembler {
  public:
-  /// With `conceals`, takes note of where strands are for concealOverdue().
+  /// With `conceals`, tracks the motion of strands for concealOverdue().
   explicit GuideAssembler(bool conceals = false) : conceals_(conceals) {}
-  /// `groom` as an assembler or a checked announcement made it. Frames under way are dropped and the count of
-  /// lost frames starts anew with the first complete frame.
+  /// Precondition: an assembler made `groom`, or checkAnnouncement() accepted it. Drops incomplete frames;
+  /// the count of lost frames restarts with the first complete frame.
   void setGroom(std::shared_ptr<const GroomDescription> groom);
-  /// By which concealOverdue() knows what carries strands. `colliders` as an assembler made them; those of
-  /// another session than the groom's are kept until there is one of theirs.
+  /// Sets the carriers of strands for concealOverdue(). Precondition: an assembler made `colliders`. Those of
+  /// another session than the groom's are kept until a groom of theirs is set.
   void setColliders(std::shared_ptr<const ColliderSet> colliders);
-  /// The next frame may have any number: who reads a file goes where it likes. Frames under way are dropped.
+  /// Drops incomplete frames and accepts any number for the next frame, as after a seek in a file.
   void beginAnew();
-  /// The frame that this chunk completed, or null. Its number is less than those before it where the stream
-  /// is found to go on from there (FrameSequence).
+  /// The frame that this chunk completed, or null. Its number is lower than the last one's where the stream
+  /// restarted (FrameSequence).
   std::shared_ptr<const GuideFrame> add(const GuideChunk& chunk);
-  /// A frame that will not be completed any more, its lost strands concealed; null when there is none. Call
-  /// after add() on links that do not repair losses: a frame is given up once a quarter of a later one is
-  /// here.
+  /// An incomplete frame whose missing chunks are overdue, with its lost strands concealed; null when there
+  /// is none. A frame is overdue once a quarter of a later one is here. Call after add() on links that do not
+  /// repair losses.
   std::shared_ptr<const GuideFrame> concealOverdue();
 
-  /// All but the latencies; chunks_rejected are the guides'.
+  /// All but the latencies; chunks_rejected counts chunks of guides only.
   const ReceiveStatistics& statistics() const { return statistics_; }
   uint64_t chunksRejected() const { return statistics_.chunks_rejected; }
 
@@ -73,7 +73,7 @@ class GuideAssembler {
     std::vector<StrandRun> runs;  // by chunk index; strand_count 0 = not received
     uint32_t received = 0;
     uint64_t bytes = 0;
-    uint64_t fed = 0;  // frames that had been begun when its last chunk came
+    uint64_t fed = 0;  // value of begun_ when its last chunk came
   };
   bool fits(const GuideChunk& chunk) const;
   Pending* pendingFor(const GuideChunk& chunk);
@@ -87,9 +87,9 @@ class GuideAssembler {
   Concealment concealment_;
   FramePool pool_;
   GuideDecoder decoder_;
-  std::vector<Vec3> decoded_;   // of the chunk under way
-  std::list<Pending> pending_;  // fed last first; at most kFramesUnderWay
-  uint64_t begun_ = 0;          // frames of which a chunk came
+  std::vector<Vec3> decoded_;   // of the current chunk
+  std::list<Pending> pending_;  // most recently fed first; at most kFramesUnderWay
+  uint64_t begun_ = 0;          // number of frames of which a chunk came
   FrameSequence sequence_;      // of the complete frames of this groom
   ReceiveStatistics statistics_;
 };

@@ -35,7 +35,7 @@ BodyBinding::BodyBinding(std::span<const Vec3> positions, std::span<const BodyPa
       const float cells = std::fabs(fields[i]->at(point).distance) / fields[i]->grid.cell;
       if (cells < nearest) nearest_field = i;
       nearest = std::min(nearest, cells);
-      const float weight = 1 - 2 * cells;  // half a cell away it is another surface
+      const float weight = 1 - 2 * cells;  // 0 at half a cell: farther away it is another surface
       if (!(weight > 0)) continue;
       near.push_back({i, weight});
       sum += weight;

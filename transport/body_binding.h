@@ -7,35 +7,38 @@
 
 namespace strandcast {
 
-/// A part of a skinned body: a collider, and a field of it, which lies about the body at rest.
+/// A part of a skinned body: a collider, and its field around the body at rest.
 struct BodyPart {
   uint32_t collider = 0;
   std::shared_ptr<const DistanceField> field;
 };
 
-/// Whether a shape of a collider that does not follow the head is such a field: not where its own frame is
-/// not that of its collider.
+/// Whether a shape of a collider that does not follow the head is a field of the body: its origin must be
+/// that of its collider.
 inline bool isBodyPart(const ContactPrimitive& shape) { return shape.field && shape.a == Vec3(Vec3::Zero()); }
+/// The parts of a skinned body among the colliders, in their order.
 std::vector<BodyPart> bodyParts(const ColliderSet& set);
 
-/// What of a body moves with which of its parts. The wire has no joints and weights; but a skinned body's
-/// parts are colliders with fields that do not follow the head, and a point of the skin lies on the surfaces
-/// of those that it moves with.
+/// Binds points of a body to the parts that they move with. The wire has no joints and weights. Instead, a
+/// skinned body's parts are colliders with fields that do not follow the head, and a point moves with the
+/// parts on whose surfaces it lies at rest.
 class BodyBinding {
  public:
+  /// Binds nothing.
   BodyBinding() = default;
-  /// `positions`: of the body at rest, m. Of more than kMaxPlacedColliders parts no frame tells: the others
-  /// are no matter.
+  /// `positions`: of the body at rest, m. Uses the first kMaxPlacedColliders parts, because a frame has no
+  /// more poses.
   BodyBinding(std::span<const Vec3> positions, std::span<const BodyPart> parts);
 
   bool empty() const { return colliders_.empty(); }
-  /// Whether the vertex moves with colliders at all.
+  /// Whether the vertex is bound to any collider.
   bool holds(size_t vertex) const { return !empty() && offsets_[vertex] < offsets_[vertex + 1]; }
-  /// Of the colliders of a vertex that it holds, the one that has most of it.
+  /// Id of the collider with the largest weight at a vertex. Precondition: holds(vertex).
   uint32_t mainCollider(size_t vertex) const;
+  /// Sets the poses of the colliders, as a frame has them; those not given keep their pose.
   void place(std::span<const PlacedCollider> colliders);
-  /// Where a vertex that it holds is, m, from where it is at rest: the mean of its colliders'. And its
-  /// normal, of any length.
+  /// Position of a vertex, m: the weighted mean of its position on its colliders. `rest` is its position at
+  /// rest. And its normal, not normalised. Precondition: holds(vertex).
   Vec3 position(size_t vertex, const Vec3& rest) const;
   Vec3 normal(size_t vertex, const Vec3& rest, const Vec3& normal) const;
 
@@ -44,10 +47,10 @@ class BodyBinding {
     uint32_t collider;  ///< index into colliders_
     float weight;
   };
-  std::vector<uint32_t> colliders_;  ///< their ids
+  std::vector<uint32_t> colliders_;  ///< ids
   std::vector<Pose> poses_;
   std::vector<SurfaceBend> bends_;
-  std::vector<size_t> offsets_;  ///< per vertex, of its shares; one more than vertices
+  std::vector<size_t> offsets_;  ///< per vertex, into shares_; one more than vertices
   std::vector<Share> shares_;
 };
 

@@ -15,7 +15,7 @@ static_assert(sizeof(Vec3) == 12, "positions are copied as three floats");
 static_assert(sizeof(Vec2) == 8, "uvs are copied as two floats");
 static_assert(std::endian::native == std::endian::little, "the float32 encoding is little-endian");
 
-/// Copies `count` vectors from `first` on as their floats.
+/// Copies `count` vectors from `first` on as floats.
 template <class Vector>
 std::vector<float> floats(const std::vector<Vector>& vectors, size_t first, size_t count) {
   constexpr size_t kComponents = sizeof(Vector) / sizeof(float);
@@ -71,7 +71,7 @@ void checkBody(const BodyDescription& body, const std::string& where) {
 constexpr size_t kGroomBytesPerStrand = 4 + 8 + 2;
 constexpr size_t kGroomBytesPerVertex = 12 + 1 + 4;
 constexpr size_t kGuideBytesPerVertex = 12;
-/// In the first chunk of a frame, at most: ids and poses, then ids and bends.
+/// Most bytes in chunk 0 of a frame: ids and poses, ids and bends.
 constexpr size_t kColliderBytes = kMaxPlacedColliders * (4 + 4 * 7 + 4 + 4 * kBendNumbers);
 constexpr size_t kPositionsPerBodyChunk = kMaxChunkBytes / (12 + 12 + 4);
 constexpr size_t kTrianglesPerBodyChunk = kMaxChunkBytes / 12;
@@ -100,7 +100,7 @@ void checkSuccession(const GroomDescription* last, const GroomDescription& next)
 std::vector<StrandRun> divideStrands(std::span<const uint32_t> offsets, size_t bytes_per_strand,
                                      size_t bytes_per_vertex, size_t bytes_before) {
   std::vector<StrandRun> runs;
-  size_t bytes = kMaxChunkBytes + 1;  // no room: the first strand opens a run
+  size_t bytes = kMaxChunkBytes + 1;  // full, so that the first strand opens a run
   for (uint32_t s = 0; s + 1 < offsets.size(); ++s) {
     const uint32_t vertices = offsets[s + 1] - offsets[s];
     const size_t needed = bytes_per_strand + bytes_per_vertex * vertices;
@@ -161,7 +161,7 @@ std::vector<BodyChunk> splitBody(const BodyDescription& body) {
   const size_t triangle_chunks = chunksFor(mesh.triangles.size(), kTrianglesPerBodyChunk);
   std::vector<BodyChunk> chunks(std::max<size_t>(1, position_chunks + triangle_chunks));
   for (size_t i = 0; i < chunks.size(); ++i) {
-    // Positions fill the first chunks, triangles those behind them.
+    // Positions fill the first chunks, triangles those after them.
     const size_t first_position = std::min(i * kPositionsPerBodyChunk, mesh.positions.size());
     const size_t positions = std::min(kPositionsPerBodyChunk, mesh.positions.size() - first_position);
     const size_t triangle_slot = i < position_chunks ? 0 : i - position_chunks;
@@ -238,7 +238,7 @@ bool isSound(const Command& command) {
 
 void checkCommand(const Command& command, uint32_t groom_id) {
   const std::string where = "command to groom " + std::to_string(groom_id);
-  constexpr size_t kShown = 40;  // bytes of a long name
+  constexpr size_t kShown = 40;  // bytes of a long name that an error shows
   const std::string& name = command.name;
   if (name.size() > kMaxTextBytes)
     throw Error("the name is too long: " + std::to_string(name.size()) + " bytes",

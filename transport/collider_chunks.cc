@@ -45,7 +45,7 @@ void putWords(const ContactPrimitive& shape, std::vector<uint32_t>& words) {
   putFloats(shape.field->corners, words);
 }
 
-/// Finite, and so small that distances are, whose squares floats hold.
+/// Finite, and so small that squared distances do not overflow a float.
 bool isFinite(std::span<const float> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](float n) { return std::abs(n) <= kMostShapeNumber; });
 }
@@ -120,7 +120,7 @@ std::shared_ptr<const DistanceField> fieldOf(std::span<const uint32_t> words) {
   return next == stored && is_near ? field : nullptr;
 }
 
-/// False where a shape is not sound; one whose field was not sent is left out.
+/// False where a shape is invalid; a shape whose field was not sent is skipped.
 bool addShape(const ColliderChunk& chunk, size_t i, std::span<const uint32_t> words, Collider& to) {
   ContactPrimitive shape;
   const float* number = chunk.numbers.data() + i * kShapeNumbers;
@@ -169,7 +169,7 @@ void checkColliders(const ColliderSet& set, const std::string& where) {
 }
 
 std::vector<ColliderChunk> splitColliders(const ColliderSet& set) {
-  ColliderChunk all;  // of every chunk
+  ColliderChunk all;  // fields common to all chunks
   all.session = set.session;
   all.groom_id = set.groom_id;
   all.revision = set.revision;
@@ -260,7 +260,7 @@ std::shared_ptr<const ColliderSet> build(const std::map<uint32_t, ColliderChunk>
     for (size_t i = 0; i < chunk.colliders.size(); ++i) {
       const uint32_t id = chunk.colliders[i];
       const bool follows_head = chunk.follows_head[i] != 0;
-      // The shapes of one stand together.
+      // The shapes of one collider are consecutive.
       if (set->colliders.empty() || set->colliders.back().id != id) {
         if (!known.insert(id).second || set->colliders.size() == kMaxColliders) return nullptr;
         set->colliders.push_back({id, follows_head, true, {}});

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "transport/carried_on.h"
+#include "transport/extrapolation.h"
 
 namespace strandcast {
 namespace {
@@ -11,15 +11,16 @@ namespace {
 using Rotation = Eigen::Quaterniond;
 using Vector = Eigen::Vector3d;
 
-/// `last`, moved on by `times` the motion from `before` to it: a turn about an axis in space, and along it.
+/// `last`, moved on by `times` the screw motion (rotation about an axis in space, and translation along it)
+/// from `before` to it.
 Pose movedOn(const Pose& before, const Pose& last, double times) {
-  constexpr double kNoTurn = 1e-6;  // rad
+  constexpr double kNoTurn = 1e-6;  // rad; below it the motion is a translation
   if (before.position == last.position && before.rotation.coeffs() == last.rotation.coeffs()) return last;
   const Rotation from = before.rotation.cast<double>().normalized(),
                  to = last.rotation.cast<double>().normalized();
   const Vector place = last.position.cast<double>();
   Rotation turn = to * from.conjugate();
-  if (turn.w() < 0) turn.coeffs() *= -1;  // the shorter way
+  if (turn.w() < 0) turn.coeffs() *= -1;  // shortest rotation
   const Vector way = place - turn * before.position.cast<double>();
   const double angle = 2 * std::atan2(turn.vec().norm(), turn.w());
   Rotation rotation = to;
@@ -49,9 +50,9 @@ void ColliderMotion::learn(std::span<const PlacedCollider> placed, double time) 
   last_time_ = time;
 }
 
-void ColliderMotion::carryOn(double time, std::vector<PlacedCollider>& out) const {
+void ColliderMotion::extrapolate(double time, std::vector<PlacedCollider>& out) const {
   out.assign(last_.begin(), last_.end());
-  const double times = carriedOn(before_time_, last_time_, time);
+  const double times = extrapolation(before_time_, last_time_, time);
   if (times == 0) return;
   for (PlacedCollider& placed : out) {
     const auto known = std::find_if(before_.begin(), before_.end(),

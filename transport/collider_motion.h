@@ -6,14 +6,15 @@
 
 namespace strandcast {
 
-/// Where colliders probably are in a frame that does not tell: carried on along their last motion in the
-/// world, as bent as they were last.
+/// Extrapolates poses of colliders for a frame that lacks them: along their last motion in the world, with
+/// their last bends.
 class ColliderMotion {
  public:
   void clear();
+  /// Records the colliders of a frame; time: simulation time, s.
   void learn(std::span<const PlacedCollider> placed, double time);
-  /// `out`: all that were placed last.
-  void carryOn(double time, std::vector<PlacedCollider>& out) const;
+  /// `out`: all colliders of the last frame that had poses.
+  void extrapolate(double time, std::vector<PlacedCollider>& out) const;
 
  private:
   std::vector<PlacedCollider> last_, before_;

@@ -5,7 +5,7 @@
 
 #include "core/nearest_rotation.h"
 #include "transport/body_binding.h"
-#include "transport/carried_on.h"
+#include "transport/extrapolation.h"
 
 namespace strandcast {
 
@@ -30,7 +30,7 @@ void Concealment::setColliders(const ColliderSet& set) {
   std::vector<uint32_t> ids;
   for (const BodyPart& part : parts)
     if (placeOf(ids, part.collider) > ids.size()) ids.push_back(part.collider);
-  if (ids == parts_) return;  // what came or went is no part: an id is never given to another collider
+  if (ids == parts_) return;  // only bodies other than parts changed: ids are never reused
   const BodyBinding binding(roots_, parts);
   const std::vector<uint32_t> old_parts = std::exchange(parts_, std::move(ids));
   const std::vector<HeadFrame> old_places = places_;
@@ -48,7 +48,7 @@ void Concealment::setColliders(const ColliderSet& set) {
     if (strand.part != 0 && parts_[strand.part - 1] == old_parts[was - 1])
       strand.carrier = strand.part;
     else
-      hangOnHead(s, old_places[was]);
+      attachToHead(s, old_places[was]);
   }
 }
 
@@ -59,16 +59,17 @@ void Concealment::place(const GuideFrame& frame) {
       if (placed.id == parts_[i]) places_[1 + i] = HeadFrame(placed.pose);
 }
 
-/// Where no chunk tells of colliders, the roots that came tell where the parts are that carry them.
+/// Without poses of colliders, fits the poses of the parts to the received roots that they carry.
 void Concealment::fitParts(GuideFrame& frame, std::span<const StrandRun> received) {
-  // m^2: roots turn a part as they are turned where they are spread by more, else it goes on turning as it
-  // did.
+  // m^2. A regularisation: roots that are spread by more determine a part's rotation, else its extrapolated
+  // rotation prevails.
   constexpr double kSpread = 1e-6;
   std::fill(sums_.begin(), sums_.end(), RootSums{});
   for (const StrandRun& run : received) {
     for (uint32_t s = run.first_strand; s < run.first_strand + run.strand_count; ++s) {
       if (strands_[s].carrier == 0) continue;
-      // Not as it was in the last frame: from one guess to the next, parts would creep away.
+      // Uses the roots of the newest frame with known poses, not those of the last frame: errors of
+      // successive fits would accumulate as drift.
       const Eigen::Vector3d local = strands_[s].root.cast<double>(),
                             world = frame.positions[offsets_[s]].cast<double>();
       RootSums& sums = sums_[strands_[s].carrier];
@@ -92,8 +93,8 @@ void Concealment::fitParts(GuideFrame& frame, std::span<const StrandRun> receive
   }
 }
 
-/// As if what is at `from` had carried it until now.
-void Concealment::hangOnHead(uint32_t strand, const HeadFrame& from) {
+/// Transfers a strand to the head, as if the carrier at `from` had been the head until now.
+void Concealment::attachToHead(uint32_t strand, const HeadFrame& from) {
   for (uint32_t v = offsets_[strand]; v < offsets_[strand + 1]; ++v)
     last_[v] = places_[0].toHead(from.toWorld(last_[v]));
   strands_[strand].carrier = 0;
@@ -101,7 +102,8 @@ void Concealment::hangOnHead(uint32_t strand, const HeadFrame& from) {
 }
 
 void Concealment::chooseCarrier(uint32_t strand, const Vec3& root) {
-  constexpr float kFar = 1e-6f, kClearly = 4;  // m^2; of squares, so that it does not go to and fro
+  constexpr float kFar = 1e-6f, kClearly = 4;  // kFar: m^2; kClearly: ratio of squared errors, a hysteresis
+                                               // against alternating carriers
   const uint32_t part = strands_[strand].part, now = strands_[strand].carrier;
   if (part == 0) return;
   const auto off = [&](uint32_t carrier) {
@@ -111,7 +113,7 @@ void Concealment::chooseCarrier(uint32_t strand, const Vec3& root) {
   const float off_now = off(now);
   if (!(off_now > kFar && off_now > kClearly * off(other))) return;
   strands_[strand].carrier = other;
-  strands_[strand].count = 0;  // its motion was relative to the other one
+  strands_[strand].count = 0;  // its motion was relative to the old carrier
 }
 
 void Concealment::learn(GuideFrame& frame, std::span<const StrandRun> received) {
@@ -119,7 +121,7 @@ void Concealment::learn(GuideFrame& frame, std::span<const StrandRun> received) 
   if (is_told) {
     colliders_.learn(frame.colliders, frame.simulation_time);
   } else {
-    colliders_.carryOn(frame.simulation_time, frame.colliders);
+    colliders_.extrapolate(frame.simulation_time, frame.colliders);
     fitParts(frame, received);
   }
   place(frame);
@@ -145,12 +147,13 @@ void Concealment::learn(GuideFrame& frame, std::span<const StrandRun> received) 
 void Concealment::extrapolate(uint32_t strand, double time, std::span<Vec3> out) const {
   const Strand& known = strands_[strand];
   const uint32_t first = offsets_[strand];
-  const auto ahead = static_cast<float>(known.count >= 2 ? carriedOn(known.before, known.last, time) : 0.0);
+  const auto ahead =
+      static_cast<float>(known.count >= 2 ? extrapolation(known.before, known.last, time) : 0.0);
   for (size_t i = 0; i < out.size(); ++i) {
     const Vec3& last = last_[first + i];
     Vec3 moved = last + ahead * (last - before_[first + i]);
     if (i > 0) {
-      // Each vertex goes its own straight way; the strand keeps its length.
+      // Each vertex is extrapolated linearly; then the strand is restored to its edge lengths.
       const Vec3 edge =
           moved - (last_[first + i - 1] + ahead * (last_[first + i - 1] - before_[first + i - 1]));
       const float length = edge.norm();

@@ -9,33 +9,34 @@
 
 namespace strandcast {
 
-/// Where lost strands probably are: carried on along their last motion relative to what carries them, at
-/// their last edge lengths, as long as carriedOn() says; then they stand still on it until they are received
-/// again. The head carries a strand, or else the part of a skinned body on which its root lies at rest: which
-/// of the two had the root nearer to where it was received.
+/// Estimates positions of lost strands. A strand is extrapolated along its last motion in the frame of its
+/// carrier, with its last edge lengths, for as long as extrapolation() says; then it stays at rest in that
+/// frame until it is received again. The carrier is the head or the part of a skinned body on which the
+/// strand's root lies at rest, whichever predicted the received root better.
 class Concealment {
  public:
+  /// Resets all motion. `guides`: rest shape, m, groom frame.
   void setGroom(const StrandSet& guides);
-  /// Of the groom's session: the parts of its body. Without them the head carries all.
+  /// Sets the parts of the body of the groom's session. Without them the head carries all strands.
   void setColliders(const ColliderSet& set);
-  /// Takes note of the strands of `frame` in `received`, by their runs; those with strand_count 0 are
-  /// skipped. The first run is of the chunk that tells where colliders are: without it, sets
-  /// frame.colliders to where they probably are.
+  /// Records the strands of `frame` that are in `received`; runs with strand_count 0 are skipped.
+  /// received.front() is the run of chunk 0, which has the poses of colliders: if it is missing, sets
+  /// frame.colliders to extrapolated poses.
   void learn(GuideFrame& frame, std::span<const StrandRun> received);
-  /// Fills in the strands that learn() was not told of in this frame. False when it cannot be said where one
-  /// of them is: it was never received, or numbers are out of all bounds. Sets frame.strands_concealed.
+  /// Sets the positions of the strands that learn() did not get in this frame, and frame.strands_concealed.
+  /// False when a strand was never received or a position is not finite.
   bool conceal(GuideFrame& frame);
 
  private:
   struct Strand {
-    double last = 0, before = 0;  // s of simulation time; of a strand received `count` times
-    uint32_t count = 0;           // since it has this carrier
-    uint32_t part = 0;            // that its root lies on at rest: of places_; 0 = none
-    uint32_t carrier = 0;         // that part, or the head, 0
+    double last = 0, before = 0;  // simulation times of the last two receptions, s; valid up to `count`
+    uint32_t count = 0;           // receptions since it has this carrier
+    uint32_t part = 0;            // on which its root lies at rest: index into places_; 0 = none
+    uint32_t carrier = 0;         // the part, or 0 for the head
     uint64_t frame = 0;
-    Vec3 root = Vec3::Zero();  // m, in the carrier's frame, when a frame last told where that is
+    Vec3 root = Vec3::Zero();  // m, in the carrier's frame, from the newest frame that had the carrier's pose
   };
-  /// Of roots that a part carries: what its pose follows from.
+  /// Sums over the received roots of a part, for the fit of its pose.
   struct RootSums {
     double count = 0;
     Eigen::Matrix<double, 3, 1, Eigen::DontAlign> local = {0, 0, 0}, world = local;
@@ -44,7 +45,7 @@ class Concealment {
   void place(const GuideFrame& frame);
   void fitParts(GuideFrame& frame, std::span<const StrandRun> received);
   void chooseCarrier(uint32_t strand, const Vec3& root);
-  void hangOnHead(uint32_t strand, const HeadFrame& from);
+  void attachToHead(uint32_t strand, const HeadFrame& from);
   void extrapolate(uint32_t strand, double time, std::span<Vec3> out) const;
 
   std::vector<uint32_t> offsets_;
@@ -52,8 +53,8 @@ class Concealment {
   std::vector<Vec3> last_, before_;  // per vertex, m, in the carrier's frame
   std::vector<Strand> strands_;
   std::vector<uint32_t> parts_;    // ids of colliders
-  std::vector<HeadFrame> places_;  // of the head, then of the parts, in the newest frame
-  std::vector<RootSums> sums_;     // per place
+  std::vector<HeadFrame> places_;  // pose of the head, then of the parts, in the newest frame
+  std::vector<RootSums> sums_;     // per entry of places_
   ColliderMotion colliders_;
 };
 

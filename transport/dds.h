@@ -12,56 +12,60 @@
 
 namespace strandcast {
 
-/// How a reader or a daemon is carried. Any two but kSecure find and understand each other.
+/// How a reader or a daemon is carried. All but kSecure are compatible with each other.
 enum class DdsProfile {
-  kReliableLan,  ///< UDP; what is lost is repaired
-  kBestEffort,   ///< UDP; of a reader: frames are not repaired, their lost strands are concealed
-  kLocal,  ///< shared memory within a machine, UDP to others. A reader that gets nothing through it goes
+  kReliableLan,  ///< UDP; lost packets are repaired
+  kBestEffort,   ///< UDP; a reader requests no repair of frames and conceals their lost strands
+  kLocal,  ///< shared memory within a machine, UDP to others. A reader that receives nothing through it falls
            ///< back to UDP
-  kSecure  ///< UDP; encrypted, and every program is known and does what it may. These find no others
+  kSecure  ///< UDP; encrypted, with certificates and permissions for every program. Compatible only with
+           ///< itself
 };
+/// A profile as the option --profile names and explains it.
 struct DdsProfileInfo {
   DdsProfile profile;
   const char* name;
   const char* help;
 };
+/// All profiles.
 std::span<const DdsProfileInfo> ddsProfileList();
 /// Throws Error, naming `where`, on an unknown name.
 DdsProfile ddsProfileNamed(const std::string& name, const std::string& where);
 
+/// Options of both ends; makeDdsPublisher() and makeDdsSubscriber() check their ranges.
 struct DdsOptions {
   int domain = 0;  ///< 0 to 232
   uint32_t groom_id = 1;
-  uint64_t session = 0;  ///< publisher only: of this start, not 0
+  uint64_t session = 0;  ///< publisher only: random per start, not 0
   CodecOptions codec;    ///< publisher only
-  /// Publisher only: one of several that share the groom. The strongest of those alive casts; the others take
-  /// commands, simulate and stay silent, until within half a second of its end it is their turn.
+  /// Publisher only: strength of this daemon's claim, where several share the groom. The strongest live
+  /// daemon casts. The others take commands, simulate and send nothing until it ends; within half a second
+  /// one of them takes over.
   std::optional<uint32_t> claim = {};
   DdsProfile profile = DdsProfile::kReliableLan;
-  /// IPv4 addresses of machines to look on where multicast does not reach them, beside multicast.
+  /// IPv4 addresses of machines that multicast does not reach, used for discovery beside multicast.
   std::vector<std::string> peers = {};
-  /// "ADDRESS:PORT" of a discovery server (`fastdds discovery -i 0 -l ADDRESS -p PORT`), in place of
+  /// "ADDRESS:PORT" of a discovery server (`fastdds discovery -i 0 -l ADDRESS -p PORT`) that replaces
   /// multicast; empty = none.
   std::string discovery_server = {};
-  /// kSecure only: this program's keys and permissions, as checkKeyFolder() accepts them.
+  /// kSecure only: folder of this program's keys and permissions, as checkKeyFolder() accepts it.
   std::filesystem::path keys = {};
-  /// Subscriber only. Without, it is given statuses and sends commands, and that is all: for who steers a
-  /// daemon and draws nothing. It is no reader to the daemon.
+  /// Subscriber only. False: receives statuses and sends commands, and nothing else, for programs that steer
+  /// a daemon and draw nothing. The daemon does not count it as a reader.
   bool frames = true;
 };
 
-/// Whether this build has DDS, and why not.
+/// Whether this build has DDS; if not, `reason` is set.
 bool ddsAvailable(std::string* reason = nullptr);
 
 /// Fast DDS over UDPv4, and shared memory with DdsProfile::kLocal. A groom id is a DDS partition ("groom1"),
-/// so that a machine receives the frames of the grooms it asked for and no others; statuses go to everyone in
-/// the domain. Listening ports: 7400 + 250
-/// * domain (UDP multicast 239.255.0.1, discovery) and those following it. Frames of 1 MB or less need
-/// net.core.rmem_max >= 4194304 on the reader's machine to survive bursts without repair.
+/// so that a machine receives the frames of its own grooms only. Statuses go to every participant of the
+/// domain. Ports: 7400 + 250 * domain (UDP multicast 239.255.0.1, discovery) and those that follow. Frames of
+/// 1 MB or less need net.core.rmem_max >= 4194304 on the reader's machine to survive bursts without repair.
 ///
-/// Both throw Error when an option is out of range or the participant cannot be made: domain out of range, no
-/// network interface, a discovery port held by a program that does not share it, keys that are missing, out
-/// of force or do not fit. A subscriber whose permissions are to read alone throws Error from send().
+/// Both throw Error when an option is out of range or the participant cannot be created: no network
+/// interface, a discovery port held by a program that does not share it, keys that are missing, not valid now
+/// or do not match. A subscriber whose keys permit reading only throws Error from send().
 std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions& options);
 std::unique_ptr<Subscriber> makeDdsSubscriber(const DdsOptions& options);
 

@@ -5,11 +5,12 @@
 namespace strandcast {
 namespace {
 constexpr std::chrono::milliseconds kClaimPeriod{40};
-/// So long after its last claim another claimant has taken the turn: the deadline of the topic is 250 ms.
+/// After this pause since its last claim another claimant has taken over: the topic's deadline is 250 ms.
 constexpr std::chrono::milliseconds kStandstill{700};
-/// After its writer of claims is found, one that casts is heard within so long.
+/// Longest time from the discovery of a casting daemon's writer of claims to its first claim.
 constexpr std::chrono::milliseconds kFirstClaim{250};
-/// So long after the last claim nobody claims any more: the deadline of the topic, and time for the next one.
+/// Time after the last claim when no claimant is left: the topic's deadline, and time for the next claimant's
+/// first claim.
 constexpr std::chrono::milliseconds kClaimSilence{1000};
 }  // namespace
 
@@ -55,16 +56,16 @@ bool DdsClaim::hasHeardOthers() const {
 
 uint64_t DdsClaim::turn() const { return holder_ == session_ && hasHeardOthers() ? turns_.load() : 0; }
 
-SharedTurn DdsClaim::sharedTurn() const {
-  if (!hasHeardOthers()) return SharedTurn::kUnknown;
+CastingState DdsClaim::castingState() const {
+  if (!hasHeardOthers()) return CastingState::kUnknown;
   const uint64_t holder = holder_;
-  if (holder == session_) return SharedTurn::kOwn;
+  if (holder == session_) return CastingState::kOwn;
   const bool is_alive = holder != 0 && Clock::now() - heard_.load() < kClaimSilence;
-  return is_alive ? SharedTurn::kAnothers : SharedTurn::kNobodys;
+  return is_alive ? CastingState::kOther : CastingState::kUnclaimed;
 }
 
 bool DdsClaim::yields() const {
-  return !thread_.joinable() && holder_is_equal_ && sharedTurn() == SharedTurn::kAnothers;
+  return !thread_.joinable() && holder_is_equal_ && castingState() == CastingState::kOther;
 }
 
 bool DdsClaim::isClaimants(const StatusBoard::WriterId& writer) const {

@@ -12,45 +12,47 @@
 
 namespace strandcast {
 
-/// Which of several daemons casts a groom, by DDS's exclusive ownership: each writes its session to the topic
-/// strandcast/claim, and a reader is given only what the strongest live writer wrote (of equals, the one of
-/// the lower GUID).
+/// Elects the daemon that casts a shared groom by DDS's exclusive ownership: each claimant writes its session
+/// to the topic strandcast/claim, and DDS gives a reader only the samples of the strongest live writer (of
+/// equal ones, that of the lower GUID). That session holds the claim.
 class DdsClaim {
  public:
+  /// `strength`: ownership strength of its claims. `neighbours` must outlive this.
   DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength, const DdsNeighbours& neighbours);
   ~DdsClaim() { stop(); }
-  /// Is known for a claimant from now on, and knows the others. Where programs are there that say no role, it
-  /// is nobody's turn here for the time that such a one may take to be heard, `settles`. `participant` is
-  /// taken down between stop() and the end of this.
+  /// Creates the writer and the reader of claims: from now on this daemon is discovered as a claimant and
+  /// hears the others. Where participants without a role are present, the holder stays unknown for up to
+  /// `settles`, so that they can be heard. `participant` must be destroyed between stop() and the destructor
+  /// of this.
   void join(DdsParticipant& participant, std::chrono::milliseconds settles);
-  /// Claims from now on, in a thread of its own: a weaker one falls silent at once. Again, it changes
-  /// nothing.
+  /// Starts the thread that writes claims: a weaker claimant stops casting at once. Idempotent.
   void claim();
+  /// Ends the thread that writes claims. Idempotent.
   void stop();
-  /// Whether so long has passed between two claims of this daemon that others have taken its turn. From then
-  /// on it claims nothing, until claimAgain() or joinAgain().
+  /// Whether the pause between two claims of this daemon was so long that another one has taken over. It
+  /// writes no more claims then, until claimAgain() or joinAgain().
   bool hasStoodStill() const;
-  void claimAgain();    ///< as before
-  void forgetClaims();  ///< of its own, and claims no more, until claim()
-  void joinAgain();     ///< as after join(): not before claim()
+  void claimAgain();    ///< restarts the thread; the holder is kept
+  void forgetClaims();  ///< stops the thread until claim()
+  void joinAgain();     ///< as join(): forgets the holder, and claims nothing until claim()
 
-  /// How often it has become this daemon's turn, where it is; else 0.
+  /// While this daemon holds the claim, how often it has gained it, from 1; else 0.
   uint64_t turn() const;
-  /// Whose turn it is, as far as is known.
-  SharedTurn sharedTurn() const;
-  /// Whether this daemon, which claims nothing yet, is to leave it so as long as the one casts whose turn it
-  /// is: that one claims with the same strength, and DDS would choose between the two by their GUIDs.
+  /// Which daemon casts, as far as is known.
+  CastingState castingState() const;
+  /// Whether this daemon, which has not claimed yet, must not claim while the present holder casts: their
+  /// strengths are equal, and DDS would choose between them by GUID.
   bool yields() const;
-  /// The session whose claim was heard last; 0 where none was.
+  /// The session of the newest claim heard; 0 before the first.
   uint64_t holder() const { return holder_; }
-  /// Whether the program that this writer of any topic is of claims the groom too.
+  /// Whether the participant of this writer (of any topic) also claims the groom.
   bool isClaimants(const StatusBoard::WriterId& writer) const;
 
  private:
   using Clock = std::chrono::steady_clock;
   void write();
   bool isLate() const;
-  /// Whether every claimant that is there has had the time to be heard.
+  /// Whether every claimant present has had the time to be heard.
   bool hasHeardOthers() const;
 
   const uint32_t groom_id_;
@@ -58,20 +60,21 @@ class DdsClaim {
   const uint32_t strength_;
   const DdsNeighbours& neighbours_;
   std::atomic<uint64_t> holder_{0};
-  std::atomic<bool> holder_is_equal_{false};  // in strength
+  std::atomic<bool> holder_is_equal_{false};  // whether the holder's strength is this daemon's
   std::atomic<uint64_t> turns_{0};
-  std::atomic<Clock::time_point> heard_{Clock::time_point()};  // the newest claim
+  std::atomic<Clock::time_point> heard_{Clock::time_point()};  // when the newest claim was heard
   mutable std::atomic<bool> has_heard_others_{false};
   Clock::time_point joined_;
   std::chrono::milliseconds settles_{0};
   mutable std::mutex writers_mutex_;
-  std::map<DdsNeighbours::Prefix, Clock::time_point> writers_;  // of claims, that are there, and since when
+  // Writers of claims, and when each was matched
+  std::map<DdsNeighbours::Prefix, Clock::time_point> writers_;
   TakingListener<v6::Claim> listener_;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
-  std::atomic<Clock::time_point> written_{Clock::time_point()};  // the newest claim of its own
+  std::atomic<Clock::time_point> written_{Clock::time_point()};  // when this daemon last wrote a claim
   std::atomic<bool> stood_still_{false};
   std::thread thread_;
 };

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kMark = "strandcast;", kDaemonWord = "daemon;", kReaderWord = "reader;",
                            kClaimWord = ";claim";
 
-/// Takes `word` from the front of `text`.
+/// Removes `word` from the front of `text`; false if it is not there.
 bool takeWord(std::string_view& text, std::string_view word) {
   if (text.substr(0, word.size()) != word) return false;
   text.remove_prefix(word.size());

@@ -41,20 +41,21 @@ const TopicProfile kShowTopic{"strandcast/show", false, 1, 2 * kMaxChunks, true}
 
 namespace {
 
-constexpr int kMaxDomain = 232;                        // the last one whose ports fit 16 bits
-constexpr uint32_t kSocketBuffer = 4 << 20;            // with the default, bursts of a frame are lost
-constexpr int kFirstFreshId = 20, kLastFreshId = 114;  // of participants; their ports are within the domain's
-constexpr int kFreshTries = 8;                         // another program may take the number meanwhile
-/// Six of the largest frames that a network of MTU 1500 takes well, and more for one machine. With the
-/// default of half a megabyte most frames are lost.
+constexpr int kMaxDomain = 232;              // largest whose ports fit 16 bits
+constexpr uint32_t kSocketBuffer = 4 << 20;  // bytes; with the default, bursts of a frame are lost
+// Numbers of participants; their ports are within the domain's range.
+constexpr int kFirstFreshId = 20, kLastFreshId = 114;
+constexpr int kFreshTries = 8;  // another program may take the number meanwhile
+/// Bytes: six of the largest frames that are practical on a network of MTU 1500. With the default of half a
+/// megabyte most frames are lost.
 constexpr uint32_t kSharedSegment = 64 << 20;
 constexpr int kLeaseSeconds = 3;
-/// An exclusive topic's writer that is silent for longer is not the owner any more.
+/// A writer of an exclusive topic loses ownership after this silence.
 const eprosima::fastrtps::Duration_t kOwnerDeadline{0, 250000000};
-/// Programs per machine that find each other through 127.0.0.1 when multicast does not work.
+/// Programs per machine that discover each other through 127.0.0.1 when multicast fails.
 constexpr uint32_t kLocalPeers = 16;
 
-/// The first few errors of Fast DDS, on standard error, and no more: it repeats itself per datagram.
+/// Prints only the first few errors of Fast DDS to standard error, because it repeats them per datagram.
 class FewErrors final : public dds::LogConsumer {
  public:
   void Consume(const dds::Log::Entry& entry) override {
@@ -69,7 +70,7 @@ class FewErrors final : public dds::LogConsumer {
   int shown_ = 0;
 };
 
-/// No errors while it lives; the log is written by a thread of its own.
+/// Suppresses errors during its lifetime. Fast DDS logs in its own thread, hence the flushes.
 class Silence {
  public:
   Silence() {
@@ -84,12 +85,13 @@ class Silence {
   Silence& operator=(const Silence&) = delete;
 };
 
-/// What Fast DDS has once for all participants of the process.
+/// Sets the process-wide settings of Fast DDS.
 void setUpFastDds() {
   static std::once_flag once;
   std::call_once(once, [] {
-    // A writer that has lost a reader of its own process (Fast DDS 2.9.1) now and then gives nothing to those
-    // that follow, and takes them to have acknowledged it. By the network they get everything.
+    // With intra-process delivery, a writer that has lost a reader of its own process (Fast DDS 2.9.1)
+    // sometimes sends nothing to later readers and counts samples as acknowledged. Over the network they get
+    // everything.
     eprosima::fastrtps::LibrarySettingsAttributes settings;
     settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
     eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
@@ -105,7 +107,7 @@ uint16_t discoveryPort(int domain) { return static_cast<uint16_t>(7400 + 250 * d
 
 void checkInterfaces(int domain) {
   ifaddrs* first = nullptr;
-  if (getifaddrs(&first) != 0) return;  // then the participant's creation will tell
+  if (getifaddrs(&first) != 0) return;  // creating the participant will report it
   bool any = false;
   for (const ifaddrs* i = first; i; i = i->ifa_next) {
     any = any || ((i->ifa_flags & IFF_UP) != 0 && i->ifa_addr && i->ifa_addr->sa_family == AF_INET);
@@ -114,7 +116,8 @@ void checkInterfaces(int domain) {
   if (!any) throw Error("no IPv4 network interface is up", domainName(domain), "ip link set lo up");
 }
 
-/// 0, or why (errno) this UDP port cannot be had. One that is `shared` may be held by others that share it.
+/// 0, or the errno with which binding this UDP port fails. With `shared`, programs that share the port may
+/// hold it.
 int causeAgainstPort(int port, bool shared) {
   const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (probe < 0) return errno;
@@ -130,8 +133,7 @@ int causeAgainstPort(int port, bool shared) {
   return cause;
 }
 
-/// Fast DDS binds this port shared (SO_REUSEADDR) and, when that fails, goes on without being found by
-/// others.
+/// Fast DDS binds this port shared (SO_REUSEADDR). When that fails, it continues without being discoverable.
 void checkDiscoveryPort(int domain) {
   const int cause = causeAgainstPort(discoveryPort(domain), true);
   if (cause == 0) return;
@@ -164,12 +166,12 @@ rtps::Locator_t serverLocator(const std::string& text) {
   return locatorOf(text.substr(0, colon), port);
 }
 
-/// The last whose ports exist; Fast DDS ends the process over those that do not.
+/// Largest number whose ports exist; Fast DDS ends the process for ports beyond.
 int lastFreshId(int domain) { return std::min(kLastFreshId, (65535 - 11 - discoveryPort(domain)) / 2); }
 
-/// Where a participant of the same number was killed, its ports in shared memory take nothing for seconds.
-/// Programs that follow each other have different numbers, and programs that run at once, whose UDP ports
-/// tell of them. (Fast DDS notices a number that is taken within the process alone.)
+/// After a participant was killed, the shared-memory ports of its number accept nothing for seconds.
+/// Consecutive programs therefore use different numbers. Concurrent programs do too, as their UDP ports show:
+/// Fast DDS detects a number in use only within the process.
 int32_t freshId(int domain) {
   static std::atomic<int> made{0};
   const int numbers = lastFreshId(domain) - kFirstFreshId + 1;
@@ -224,18 +226,20 @@ dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& discovery = builtin.discovery_config;
   discovery.leaseDuration = {kLeaseSeconds, 0};
-  discovery.leaseDuration_announcementperiod = {0, 250000000};  // whose first signs are lost is found soon
+  // Short, so that a participant whose first announcements are lost is discovered soon
+  discovery.leaseDuration_announcementperiod = {0, 250000000};
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 100000000};
   if (!network.discovery_server.empty()) {
     discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
     rtps::RemoteServerAttributes server;
-    server.ReadguidPrefix("44.53.00.5f.45.50.52.4f.53.49.4d.41");  // of server 0 of the fastdds tool
+    server.ReadguidPrefix("44.53.00.5f.45.50.52.4f.53.49.4d.41");  // server 0 of the fastdds tool
     server.metatrafficUnicastLocatorList.push_back(serverLocator(network.discovery_server));
     discovery.m_DiscoveryServers.push_back(server);
     return qos;
   }
-  // Multicast as usual, and this machine by address: programs of one machine find each other on any network.
+  // Multicast as by default, and this machine by address: programs of one machine discover each other on any
+  // network.
   rtps::Locator_t multicast, local;
   rtps::IPLocator::setIPv4(multicast, "239.255.0.1");
   rtps::IPLocator::setPhysicalPort(multicast, discoveryPort(domain));
@@ -258,12 +262,12 @@ void setCommon(Qos& qos, const TopicProfile& profile) {
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
   qos.durability().kind =
       profile.is_transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
-  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;  // never all: one slow reader would stall the writer
+  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;  // never keep all: one slow reader would stall the writer
   qos.history().depth = profile.depth;
   setLimits(qos.resource_limits(), profile);
   if (profile.is_exclusive) {
     qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
-    // Not by liveliness: Fast DDS 2.9.1 tells of its loss only when the whole participant's lease is over.
+    // Not by liveliness: Fast DDS 2.9.1 reports its loss only when the whole participant's lease has expired.
     qos.deadline().period = kOwnerDeadline;
   }
   qos.data_sharing().off();
@@ -351,7 +355,7 @@ void DdsParticipant::fail(const std::string& what) {
 }
 
 dds::Topic* DdsParticipant::topic(const TopicProfile& profile, dds::TopicDataType* raw_type) {
-  const dds::TypeSupport type(raw_type);  // owns it
+  const dds::TypeSupport type(raw_type);  // takes ownership
   if (dds::TopicDescription* known = participant_->lookup_topicdescription(profile.name)) {
     return static_cast<dds::Topic*>(known);
   }
@@ -376,12 +380,11 @@ dds::DataWriter* DdsParticipant::makeWriter(const TopicProfile& profile, dds::To
   dds::DataWriterQos qos;
   setCommon(qos, profile);
   if (profile.is_exclusive) qos.ownership_strength().value = strength;
-  // Also for topics whose readers are volatile, which are sent no history all the same. A volatile writer
-  // deletes samples when a reader leaves, and in Fast DDS 2.9.1 that deadlocks with its thread that repairs
-  // another reader (StatefulWriter::matched_reader_remove against FlowControllerImpl::run): the daemon would
-  // stand still for good.
+  // Also for topics whose readers are volatile, which get no history either way. A volatile writer deletes
+  // samples when a reader leaves. In Fast DDS 2.9.1 that deadlocks with the thread that repairs another
+  // reader (StatefulWriter::matched_reader_remove against FlowControllerImpl::run), and the daemon hangs.
   qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
-  // Asynchronously, samples would be replaced before they are sent.
+  // In asynchronous mode samples would be replaced before they are sent.
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   auto& times = qos.reliable_writer_qos().times;
   times.heartbeatPeriod = {0, 20000000};
@@ -396,7 +399,7 @@ dds::DataWriter* DdsParticipant::createWriterIfPermitted(const TopicProfile& pro
                                                          dds::TopicDataType* type,
                                                          dds::DataWriterListener* listener) {
   if (keys_.empty()) return createWriter(profile, type, listener);
-  const Silence silence;  // that permissions do not say so is no error here, but Fast DDS writes several
+  const Silence silence;  // a missing permission is no error here, but Fast DDS logs several
   return makeWriter(profile, type, listener, 0);
 }
 
@@ -406,8 +409,8 @@ dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::
   setCommon(qos, profile);
   if (!is_reliable) qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
   qos.reliable_reader_qos().times.heartbeatResponseDelay = {0, 0};
-  // With memory as large as what it holds, a reader of Fast DDS 2.9.1 refuses disposals, which hold nothing,
-  // for good, and is given nothing that comes behind one.
+  // With memory preallocated to the sample's size, a reader of Fast DDS 2.9.1 refuses disposals, which have
+  // no payload, and then gets no later samples either.
   if (profile.is_withdrawn)
     qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   dds::Subscriber* subscriber = profile.is_per_groom ? groom_subscriber_ : common_subscriber_;

@@ -20,52 +20,51 @@
 
 namespace strandcast {
 
-/// How one topic of idl/strandcast.idl is carried.
+/// QoS of one topic of idl/strandcast.idl.
 struct TopicProfile {
   const char* name;
   bool is_transient_local;
-  int depth;                  // kept per instance
-  int max_instances;          // of a writer or a reader
+  int depth;                  // samples kept per instance
+  int max_instances;          // per writer or reader
   bool is_per_groom;          // in the groom's partition
-  bool is_exclusive = false;  // readers are given what the strongest live writer wrote
-  bool is_withdrawn = false;  // writers dispose of what they wrote
+  bool is_exclusive = false;  // readers get the samples of the strongest live writer only
+  bool is_withdrawn = false;  // writers dispose of their samples when they stop casting
 };
 extern const TopicProfile kGroomTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kCommandTopic,
     kStatusTopic, kClaimTopic, kShowTopic;
 
-/// How a participant is carried and finds others.
+/// Transport and discovery of a participant.
 struct DdsNetwork {
   int domain = 0;
   bool uses_shared_memory = false;
   std::vector<std::string> peers = {};  // IPv4 addresses
-  std::string discovery_server = {};    // "ADDRESS:PORT" or empty
-  std::filesystem::path keys = {};      // folder, or empty: not secured
+  std::string discovery_server = {};    // "ADDRESS:PORT", or empty: multicast
+  std::filesystem::path keys = {};      // folder, or empty: no security
 
   explicit DdsNetwork(int of_domain) : domain(of_domain) {}
-  /// Without shared memory beside programs of other users, which it says. Throws Error where options do not
-  /// go together.
+  /// Without shared memory where a program of another user holds a live port, which it logs. Throws Error on
+  /// options that exclude each other.
   explicit DdsNetwork(const DdsOptions& options);
 };
 
-/// A participant of the domain with what hangs on it; taken down as a whole.
+/// A participant of the domain that owns its readers and writers; all are deleted together.
 class DdsParticipant {
  public:
-  /// Says `role` to others unless it has keys, whose participants' user data would be sent in the clear.
-  /// `neighbours` (may be null) learns of the others; it outlives this. Throws Error as makeDdsPublisher
-  /// does.
+  /// States `role` in its user data, but not with keys: user data is not encrypted. `neighbours` (may be
+  /// null) learns of other participants and must outlive this. Throws Error as makeDdsPublisher().
   DdsParticipant(const DdsNetwork& network, uint32_t groom_id, const std::optional<DdsRole>& role = {},
                  DdsNeighbours* neighbours = nullptr);
   ~DdsParticipant();
   DdsParticipant(const DdsParticipant&) = delete;
   DdsParticipant& operator=(const DdsParticipant&) = delete;
 
-  /// The listener outlives the participant. `type` names the topic's type. `strength` counts where the topic
-  /// is exclusive. Throw Error.
+  /// The listener must outlive the participant. `type` names the topic's type; the participant takes
+  /// ownership. `strength` is used where the topic is exclusive. Throw Error.
   eprosima::fastdds::dds::DataWriter* createWriter(const TopicProfile& profile,
                                                    eprosima::fastdds::dds::TopicDataType* type,
                                                    eprosima::fastdds::dds::DataWriterListener* listener,
                                                    uint32_t strength = 0);
-  /// The same; null where the participant has keys that do not permit it.
+  /// As createWriter(); null where the participant has keys that do not permit the topic.
   eprosima::fastdds::dds::DataWriter* createWriterIfPermitted(
       const TopicProfile& profile, eprosima::fastdds::dds::TopicDataType* type,
       eprosima::fastdds::dds::DataWriterListener* listener);
@@ -87,32 +86,32 @@ class DdsParticipant {
   const std::filesystem::path keys_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* groom_publisher_ = nullptr;   // in the groom's partition
-  eprosima::fastdds::dds::Publisher* common_publisher_ = nullptr;  // in none
+  eprosima::fastdds::dds::Publisher* common_publisher_ = nullptr;  // in no partition
   eprosima::fastdds::dds::Subscriber* groom_subscriber_ = nullptr;
   eprosima::fastdds::dds::Subscriber* common_subscriber_ = nullptr;
 };
 
-/// What becomes of the writers of a topic.
+/// Callbacks on the writers of a topic.
 struct WriterHandlers {
   using Handler = std::function<void(const StatusBoard::WriterId& writer)>;
   Handler found = {}, left = {};
-  Handler disposed = {};  ///< of what it has written; it is still there
+  Handler disposed = {};  ///< the writer disposed of its samples; it still exists
 };
 
-/// Takes every sample as it arrives, in Fast DDS's thread, and hands it on.
+/// Takes every sample on arrival, in Fast DDS's thread, and passes it to a handler.
 template <class Wire>
 class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
  public:
   using Handler = std::function<void(Wire& sample, const StatusBoard::WriterId& writer)>;
-  /// `handler` may exchange the sample's arrays; those of writers may be empty. All may be called by several
-  /// threads at once, lock what they share, and call no DDS while they hold it.
+  /// `handler` may swap the sample's arrays. The callbacks of `writers` may be empty. Several threads may
+  /// call all of them at once: they must lock shared state, and must not call DDS while they hold a lock.
   explicit TakingListener(Handler handler, WriterHandlers writers = {})
       : handler_(std::move(handler)), writers_(std::move(writers)) {}
 
   void on_data_available(eprosima::fastdds::dds::DataReader* reader) override {
-    // Writers of this process deliver in their own threads, perhaps several at once and with the reader's
-    // mutex held. A lock of ours around the reader's calls could deadlock with it, so each thread has a
-    // sample of its own instead.
+    // Writers of this process deliver in their own threads, possibly several at once and with the reader's
+    // mutex locked. A lock around the reader's calls could deadlock with it. Each thread has its own sample
+    // instead.
     thread_local Wire sample;
     eprosima::fastdds::dds::SampleInfo info;
     while (reader->take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
@@ -129,7 +128,7 @@ class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
     const WriterHandlers::Handler& tell = status.current_count_change < 0 ? writers_.left : writers_.found;
     if (tell) tell(writerId(status.last_publication_handle));
   }
-  /// Writers that the reader is matched with.
+  /// Number of writers that the reader is matched with.
   uint32_t matched() const { return static_cast<uint32_t>(matched_.load()); }
 
  private:
@@ -152,7 +151,7 @@ class MatchCounter final : public eprosima::fastdds::dds::DataWriterListener {
     ever_matched_ = status.total_count;
   }
   uint32_t matched() const { return static_cast<uint32_t>(matched_.load()); }
-  /// With those that have left since.
+  /// Including readers that have left.
   uint32_t everMatched() const { return static_cast<uint32_t>(ever_matched_.load()); }
 
  private:

@@ -20,13 +20,14 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 
 const eprosima::fastrtps::Duration_t kFarewell{1, 0};
-/// A new daemon that shares its groom may hear of no other for so long, where those say no role.
+/// Time in which a daemon that shares its groom may not have heard of participants without a role.
 constexpr std::chrono::milliseconds kSettles{1500};
-/// Of a show's hair: some 30 MB/s at 60 frames a second.
+/// Chunks of a show's hair per frame: some 30 MB/s at 60 frames a second.
 constexpr int kHairChunksPerFrame = 8;
-/// Who shares a groom is found by its claims and by its statuses, in either order, within so long.
+/// A claimant's writer of claims and its status are discovered in either order, within this time.
 constexpr std::chrono::milliseconds kClaimsLate{2000};
-/// The writers of a participant are found within a second; one that was killed is known for its lease of 3 s.
+/// The writers of a participant are discovered within a second; one that was killed remains known for its
+/// lease of 3 s.
 constexpr std::chrono::milliseconds kUnheardTime{3500};
 
 class DdsPublisher final : public Publisher {
@@ -43,7 +44,7 @@ class DdsPublisher final : public Publisher {
         hair_shows_(options.groom_id, ShowChunk::kStateAndHair),
         participant_(DdsNetwork(options), options.groom_id,
                      DdsRole{true, options.groom_id, options.claim.has_value()}, &neighbours_) {
-    // Before the reader whose thread asks it.
+    // Before the reader of statuses, whose thread uses it.
     if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim, neighbours_);
     participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
     participant_.createReader(kCommandTopic, new CommandType, &command_listener_);
@@ -57,7 +58,7 @@ class DdsPublisher final : public Publisher {
       show_writer_ = participant_.createWriter(kShowTopic, new ShowChunkType, &sharers_);
       claim_->join(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
     }
-    publishStatus({});  // so that rivals hear of this session at once
+    publishStatus({});  // so that rivals learn of this session at once
   }
 
   ~DdsPublisher() override {
@@ -83,13 +84,14 @@ class DdsPublisher final : public Publisher {
   }
 
   void publish(const GuideFrame& frame) override {
-    if (claim_) claim_->claim();  // not before: who casts so far falls silent, and here are frames now
+    // Not earlier: a claim silences the casting daemon, and only now are there frames to replace its own
+    if (claim_) claim_->claim();
     if (claim_ && !takeTurn()) return;
     sendHair();
     announced_.divide(frame, [this](GuideChunk& chunk) {
       toWire(chunk, guide_sample_);
       guide_writer_->write(&guide_sample_);
-      // Back: their memory serves the next chunk.
+      // Swap back, to reuse the memory for the next chunk.
       std::swap(guide_sample_.colliders(), chunk.colliders);
       std::swap(guide_sample_.collider_poses(), chunk.collider_poses);
       std::swap(guide_sample_.bent_colliders(), chunk.bent_colliders);
@@ -110,7 +112,7 @@ class DdsPublisher final : public Publisher {
 
   std::optional<Command> takeCommand() override {
     std::optional<Command> command = commands_.take();
-    // Who sent it may have met this daemon alone, and be gone before the others could hear of it.
+    // The sender may have discovered only this daemon, and may end before the others discover it.
     if (command && claim_ && claim_->turn() != 0 && relay_ != nullptr) {
       v6::Command sample;
       toWire(*command, sample);
@@ -119,17 +121,17 @@ class DdsPublisher final : public Publisher {
     return command;
   }
 
-  SharedTurn sharedTurn() const override { return claim_ ? claim_->sharedTurn() : SharedTurn::kUnshared; }
+  CastingState castingState() const override { return claim_ ? claim_->castingState() : CastingState::kUnshared; }
 
   bool yields() const override { return claim_ && claim_->yields(); }
 
-  void leaveTurn() override {
+  void withdrawClaim() override {
     if (claim_) claim_->forgetClaims();
   }
 
-  bool isDeaf() const override { return hasUnheard(kUnheardTime); }
+  bool cannotHearDaemon() const override { return hasUnheard(kUnheardTime); }
 
-  bool lapsed() override {
+  bool takeLapse() override {
     if (!claim_ || !claim_->hasStoodStill()) return false;
     if (sharers() == 0) {
       claim_->claimAgain();
@@ -164,8 +166,8 @@ class DdsPublisher final : public Publisher {
   }
 
   std::optional<Show> takeShow() override {
-    // Not before: who casts sends the hair to a new reader at once, and it would grow old while the scene is
-    // loaded.
+    // Not earlier: the casting daemon sends the hair to a new reader at once, and it would be outdated by the
+    // time the scene is loaded.
     if (!std::exchange(reads_shows_, true))
       participant_.createReader(kShowTopic, new ShowChunkType, &show_listener_);
     const std::lock_guard lock(show_mutex_);
@@ -192,14 +194,14 @@ class DdsPublisher final : public Publisher {
   }
   std::chrono::milliseconds listenTime() const override {
     if (hasUnheard(std::chrono::milliseconds(0))) return kUnheardTime + kQuietListenTime;
-    // Clients of a discovery server find each other through its own, slower exchange.
+    // Clients of a discovery server discover each other through its slower exchange.
     if (possibleRivals() == 0 && options_.discovery_server.empty()) return kQuietListenTime;
     return (options_.keys.empty() ? kRivalListenTime : kSecureRivalListenTime) *
            (options_.claim ? kSharedListens : 1);
   }
 
  private:
-  /// UDP gets anywhere, but for what is lost and repaired.
+  /// Always false over UDP: it reaches every machine, and losses are repaired.
   bool hasUnheard(std::chrono::milliseconds time) const {
     return options_.profile == DdsProfile::kLocal && neighbours_.hasUnheardDaemon(options_.groom_id, time);
   }
@@ -210,8 +212,7 @@ class DdsPublisher final : public Publisher {
     show_writer_->write(&sample);
   }
 
-  /// A part of what waits: all at once would be more than the others' sockets hold, and would hold up the
-  /// frame.
+  /// Sends some of the waiting chunks. All at once would overflow the readers' sockets and delay the frame.
   void sendHair() {
     for (int sent = 0; sent < kHairChunksPerFrame && !waiting_hair_.empty(); ++sent) {
       write(waiting_hair_.front());
@@ -228,8 +229,8 @@ class DdsPublisher final : public Publisher {
     collider_chunks_ = replace<v6::ColliderChunk>(*collider_writer_, std::move(chunks), collider_chunks_);
   }
 
-  /// Of daemons that share a groom: whether it is this one's turn. Late readers are to find the groom of that
-  /// one alone.
+  /// Whether this daemon holds the claim. On a change, announces or withdraws the groom: late joiners must
+  /// get that of the casting daemon only.
   bool takeTurn() {
     const uint64_t turn = claim_->turn();
     if (turn != announced_turn_) {
@@ -241,7 +242,7 @@ class DdsPublisher final : public Publisher {
     return turn != 0;
   }
 
-  /// Readers are to forget a daemon that falls silent, and late ones not to hear what it said last.
+  /// Disposes of the status, so that readers forget this daemon and late joiners do not get its last status.
   void withdrawStatus() {
     v6::Status sample;
     sample.groom_id(options_.groom_id);
@@ -250,8 +251,8 @@ class DdsPublisher final : public Publisher {
     has_status_ = false;
   }
 
-  /// Writes all chunks and disposes of those that the last announcement had beyond them, so that late readers
-  /// are not given chunks of two revisions. Returns their number.
+  /// Writes all chunks and disposes of surplus ones of the last announcement, so that late joiners do not get
+  /// chunks of two revisions. Returns the number of chunks.
   template <class Wire, class Chunk>
   uint32_t replace(dds::DataWriter& writer, std::vector<Chunk> chunks, uint32_t count_before) {
     Wire sample;
@@ -301,17 +302,17 @@ class DdsPublisher final : public Publisher {
   StatusBoard others_;  // of this groom
   AnnouncedGroom announced_;
   uint32_t groom_chunks_ = 0, body_chunks_ = 0, collider_chunks_ = 0;
-  AnnouncedGroom::Chunks shared_;  // for when it is this one's turn
+  AnnouncedGroom::Chunks shared_;  // announced when this daemon takes over
   std::vector<ColliderChunk> shared_colliders_;
-  uint64_t announced_turn_ = 0;  // of DdsClaim::turn()
-  bool has_status_ = false;      // that readers know of
+  uint64_t announced_turn_ = 0;  // DdsClaim::turn() of the last announcement
+  bool has_status_ = false;      // whether readers have a status of this session
   v6::GuideChunk guide_sample_;
-  // Listeners before the participant: it goes first and with it the threads that call them.
+  // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter readers_;
   TakingListener<v6::Command> command_listener_;
   TakingListener<v6::Status> status_listener_;
   MatchCounter sharers_;
-  std::mutex show_mutex_;  // of what is received
+  std::mutex show_mutex_;  // guards the shows received
   TakingListener<v6::ShowChunk> show_listener_;
   ShowAssembler state_shows_, hair_shows_;
   std::optional<Show> newest_state_, newest_hair_;
@@ -327,7 +328,7 @@ class DdsPublisher final : public Publisher {
   dds::DataWriter* collider_writer_ = nullptr;
   dds::DataWriter* guide_writer_ = nullptr;
   dds::DataWriter* show_writer_ = nullptr;
-  dds::DataWriter* relay_ = nullptr;  ///< of commands, to those that share the groom
+  dds::DataWriter* relay_ = nullptr;  ///< forwards commands to the standbys
 };
 
 }  // namespace

@@ -23,15 +23,15 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 
 constexpr std::chrono::milliseconds kWatchPeriod{400};
-/// The writers of a participant that is known are found within so long.
+/// Time in which the writers of a known participant are discovered.
 constexpr std::chrono::milliseconds kFindingTime{1200};
-/// One that shares its groom tells nothing while it gets ready or stands by.
+/// The same bound for a daemon that shares its groom: it sends no status while it starts or stands by.
 constexpr std::chrono::milliseconds kStandbyTime{5000};
-/// Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second: on two busy cores one
-/// program in three needs a second more, one in twelve two, one in sixty four.
+/// Fast DDS 2.9.1 repeats a lost handshake message only after a second. On two busy cores one program in
+/// three needs a second more, one in twelve two, one in sixty four.
 constexpr std::chrono::milliseconds kSecureAnswerTime{12000};
 const eprosima::fastrtps::Duration_t kAcknowledgmentLook{0, 50000000};
-constexpr int kPatience = 2;  // looks without a chunk; a daemon's status comes twice a second
+constexpr int kPatience = 2;  // checks without a chunk; a daemon sends its status twice a second
 
 class DdsSubscriber final : public ReceivingSubscriber {
  public:
@@ -46,7 +46,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
                          {.left = [this](const auto& writer) { statuses_.remove(writer); },
                           .disposed = [this](const auto& writer) { statuses_.remove(writer); }}) {
     DdsNetwork network(options);
-    // Statuses and commands are small, and by UDP they get to daemons of other users at once.
+    // Statuses and commands are small, and by UDP they reach daemons of other users at once.
     if (!options.frames) network.uses_shared_memory = false;
     join(network);
     if (network.uses_shared_memory) watchdog_ = std::thread([this] { watch(); });
@@ -81,7 +81,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
         return std::chrono::steady_clock::now() <= deadline && !(gives_up && gives_up());
       };
     };
-    // Its status is what it answers with.
+    // Answers come in its status, which must therefore arrive here.
     for (const auto may_come = within(answer_time); daemons_.matched() == 0 || !status();
          std::this_thread::sleep_for(std::chrono::milliseconds(5)))
       if (!may_come()) throw Error("no daemon answers", where, remedyOfSilence());
@@ -91,7 +91,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
     sample.groom_id(options_.groom_id);
     if (!command_writer_ || !command_writer_->write(&sample))
       throw Error("the command cannot be written", where, remedyOfSilence());
-    // So that a program may end right after it.
+    // Waits, so that a program may end right after the call.
     const auto may_come = within(kAnswerTime);
     while (command_writer_->wait_for_acknowledgments(kAcknowledgmentLook) !=
            eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
@@ -124,13 +124,13 @@ class DdsSubscriber final : public ReceivingSubscriber {
     return "start strandcastd, or check --domain and the groom id";
   }
 
-  /// Whether there is a daemon of whose writers nothing gets here.
+  /// Whether a daemon is known, but nothing from its writers arrives here.
   bool hearsNobody() {
     return !status() && neighbours_.hasSilentDaemon(options_.groom_id, kFindingTime, kStandbyTime);
   }
 
-  /// Whether there is a daemon that casts, as far as its status gets here, and none of its chunks has come
-  /// since the last look.
+  /// Whether a daemon casts, as far as its status shows, but none of its chunks has come since the last
+  /// check.
   bool isStarved() {
     const std::optional<Status> now = status();
     const bool may_cast = guide_listener_.matched() > 0 && (!now || now->frames > 0);
@@ -138,8 +138,9 @@ class DdsSubscriber final : public ReceivingSubscriber {
     return may_cast && chunks == std::exchange(watched_chunks_, chunks);
   }
 
-  /// Fast DDS 2.9.1 now and then gives a reader nothing through shared memory whose predecessor was killed,
-  /// and never anything where the daemon runs as another user, whose segments cannot be opened.
+  /// Through shared memory, Fast DDS 2.9.1 sometimes delivers nothing to a reader whose predecessor was
+  /// killed. It never delivers anything where the daemon runs as another user, whose segments cannot be
+  /// opened.
   void watch() {
     std::unique_lock lock(watch_mutex_);
     int starved = 0;
@@ -161,7 +162,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
       try {
         join(network);
         return;
-      } catch (const Error&) {  // the network is gone, perhaps not for good
+      } catch (const Error&) {  // the network is down, perhaps temporarily
       }
     }
   }
@@ -202,7 +203,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   const DdsOptions options_;
   std::atomic<uint64_t> chunks_{0};  // of guides, received
   std::mutex send_mutex_;
-  // Listeners before the participant: it goes first and with it the threads that call them.
+  // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter daemons_;
   DdsNeighbours neighbours_;
   TakingListener<v6::GroomChunk> groom_listener_;
@@ -213,7 +214,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   std::optional<DdsParticipant> participant_;
   dds::DataWriter* command_writer_ = nullptr;
 
-  uint64_t watched_chunks_ = 0;  // at the watchdog's last look
+  uint64_t watched_chunks_ = 0;  // chunks_ at the watchdog's last check
   std::mutex watch_mutex_;
   std::condition_variable wake_;
   bool stop_ = false;

@@ -11,13 +11,13 @@ namespace {
 
 using Frame = std::shared_ptr<const GuideFrame>;
 constexpr size_t kKept = kFrameQueueLength;
-constexpr size_t kArrivals = 64;  // that the clock offset and the jitter are taken from
+constexpr size_t kArrivals = 64;  // window for the clock offset and the jitter
 
 double seconds(uint64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
 }  // namespace
 
-/// How simulation time of one session runs by this machine's clock.
+/// Estimates simulation time of one session by this machine's clock.
 class ArrivalClock {
  public:
   void reset() { count_ = 0; }
@@ -29,7 +29,7 @@ class ArrivalClock {
     offset_ = sorted[0];
     jitter_ = sorted[(kept - 1) * 19 / 20] - sorted[0];
   }
-  /// s by the steady clock at simulation time 0, of the fastest arrivals.
+  /// Steady-clock time of simulation time 0, s, by the fastest arrivals.
   double offset() const { return offset_; }
   double jitter() const { return jitter_; }
 
@@ -71,7 +71,7 @@ struct FramePlayer::State {
   std::deque<Frame> frames;  // newest last, of one session and revision
   ArrivalClock clock;
   FramePool pool;
-  double shown_time = 0;  // s of simulation time, of the last picture
+  double shown_time = 0;  // simulation time of the last picture, s
   uint64_t shown_frame = 0;
   double delay = 0;  // s
   PlayoutStatistics statistics;
@@ -101,7 +101,7 @@ struct FramePlayer::State {
       frames.clear();
   }
 
-  /// s of simulation time from a frame to the next, as far as can be told.
+  /// Mean simulation time between frames, s; 0 if unknown.
   double interval() const {
     const GuideFrame &first = *frames.front(), &last = *frames.back();
     return last.frame > first.frame ? (last.simulation_time - first.simulation_time) /

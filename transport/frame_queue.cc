@@ -62,7 +62,7 @@ void FrameQueue::keep(size_t count) {
 void FrameQueue::push(std::shared_ptr<const GuideFrame> frame, double latency_ms) {
   const std::lock_guard lock(mutex_);
   if (!groom_ || frame->session != groom_->session || frame->revision != groom_->revision) return;
-  if (!frames_.empty() && frame->frame <= frames_.back()->frame) frames_.clear();  // the count began anew
+  if (!frames_.empty() && frame->frame <= frames_.back()->frame) frames_.clear();  // frame numbers restarted
   frames_.push_back(std::move(frame));
   if (frames_.size() > kept_) frames_.pop_front();
   latencies_ms_[latencies_++ % latencies_ms_.size()] = static_cast<float>(latency_ms);

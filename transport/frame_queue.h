@@ -12,14 +12,15 @@
 
 namespace strandcast {
 
-/// Frames whose memory is used again once the last reader has let go of them. Thread-safe; frames may outlive
-/// the pool.
+/// Recycles the memory of frames after the last reader has released them. Thread-safe; frames may outlive the
+/// pool.
 class FramePool {
  public:
   using Buffer = std::unique_ptr<GuideFrame>;
   FramePool() : store_(std::make_shared<Store>()) {}
-  /// A frame with arbitrary contents.
+  /// A frame with unspecified contents.
   Buffer take();
+  /// Makes the frame immutable and shared; its memory returns to the pool with the last reference.
   std::shared_ptr<const GuideFrame> share(Buffer frame);
   void giveBack(Buffer frame) { store_->giveBack(std::move(frame)); }
 
@@ -32,26 +33,27 @@ class FramePool {
   std::shared_ptr<Store> store_;
 };
 
-/// What a subscriber hands out: the descriptions in force and the newest frames that fit them. Thread-safe.
+/// The current descriptions and the newest frames that fit them, as a subscriber returns them. Thread-safe.
 class FrameQueue {
  public:
-  /// Puts `groom` in force unless it is the one in force or an earlier revision of its session; older frames
-  /// go. Returns whether it is now in force.
+  /// Makes `groom` current unless it is current already or an earlier revision of its session; drops older
+  /// frames. Returns whether it has become current.
   bool setGroom(std::shared_ptr<const GroomDescription> groom);
+  /// Sets the body unless it is an earlier or the same revision of its session.
   void setBody(std::shared_ptr<const BodyDescription> body);
-  /// As setGroom(), but frames stay.
+  /// As setGroom(), but keeps frames.
   bool setColliders(std::shared_ptr<const ColliderSet> colliders);
   /// As Subscriber::keepFrames().
   void keep(size_t count);
-  /// Ignores a frame that does not fit groom(); one that is no newer than the newest begins the count anew.
-  /// `latency_ms` from publication to now.
+  /// Ignores a frame that does not fit groom(). A frame whose number is not above the newest restarts the
+  /// queue. `latency_ms`: from publication to now.
   void push(std::shared_ptr<const GuideFrame> frame, double latency_ms);
 
+  /// As the functions of Subscriber.
   std::shared_ptr<const GroomDescription> groom() const;
   std::shared_ptr<const BodyDescription> body() const;
   std::shared_ptr<const ColliderSet> colliders() const;
   std::shared_ptr<const GuideFrame> frame() const;
-  /// As Subscriber's.
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout);
   std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last, std::chrono::milliseconds timeout);
   bool waitForGroom(std::chrono::milliseconds timeout);
@@ -66,12 +68,12 @@ class FrameQueue {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<const GroomDescription> groom_;
-  std::shared_ptr<const BodyDescription> body_;   // newest; handed out when it fits groom_
-  std::shared_ptr<const ColliderSet> colliders_;  // newest; handed out when it is of groom_'s session
+  std::shared_ptr<const BodyDescription> body_;   // newest; returned when it fits groom_
+  std::shared_ptr<const ColliderSet> colliders_;  // newest; returned when it is of groom_'s session
   size_t kept_ = kFrameQueueLength;
   std::deque<std::shared_ptr<const GuideFrame>> frames_;  // at most kept_
   std::array<float, 1000> latencies_ms_{};
-  size_t latencies_ = 0;  // counted since the start
+  size_t latencies_ = 0;  // number since the start
 };
 
 /// ns since 1970 by the system clock, as GuideFrame::publish_time.

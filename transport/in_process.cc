@@ -21,10 +21,10 @@ struct Channel {
   FramePool pool;
   CommandQueue commands;
   Answers answers;
-  std::mutex mutex;  // of what follows
+  std::mutex mutex;  // guards all below
   std::optional<Status> status;
   ReceiveStatistics statistics;
-  uint64_t newest_frame = 0;  // of the groom in force
+  uint64_t newest_frame = 0;  // of the current groom
   bool has_publisher = true, has_subscriber = true;
 };
 
@@ -64,7 +64,7 @@ class InProcessPublisher final : public Publisher {
     if (!groom_ || frame.revision != groom_->revision || frame.positions.size() != groom_->guides.vertices())
       return;
     FramePool::Buffer copy = channel_->pool.take();
-    *copy = frame;  // into the memory of a frame that was let go of
+    *copy = frame;  // reuses the memory of a released frame
     copy->groom_id = channel_->groom_id;
     copy->arrival_time = steadyTime();
     {
@@ -84,7 +84,8 @@ class InProcessPublisher final : public Publisher {
       channel_->status = status;
       channel_->status->groom_id = channel_->groom_id;
     }
-    channel_->answers.post(status);  // after it: who has heard the answer finds what it changed
+    // After the status, so that a thread that sees the answer sees its effects
+    channel_->answers.post(status);
   }
 
   std::optional<Command> takeCommand() override { return channel_->commands.take(); }

@@ -7,8 +7,8 @@
 
 namespace strandcast {
 
-/// A channel within one process: the same interfaces, no network. Either end may go first. Throws Error on
-/// groom id 0.
+/// A channel within one process: the same interfaces without a network. Either end may be destroyed first.
+/// Throws Error on groom id 0.
 std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeInProcessChannel(uint32_t groom_id);
 
 }  // namespace strandcast

@@ -9,8 +9,8 @@
 
 namespace strandcast {
 
-/// LCM's encoding of numbers, texts and arrays: big-endian, texts with their length including a final zero
-/// byte. Writer and reader have the same members, so that a message is described once (message_fields.h).
+/// LCM's encoding of numbers, texts and arrays: big-endian; a text's length includes a final zero byte.
+/// Writer and reader have the same members, so that one function describes a message (message_fields.h).
 template <size_t kBytes>
 using UnsignedOf = std::conditional_t<
     kBytes == 8, uint64_t,
@@ -32,6 +32,7 @@ Number loadBigEndian(const uint8_t* from) {
   return std::bit_cast<Number>(bits);
 }
 
+/// Appends a message to a byte vector.
 class MessageWriter {
  public:
   explicit MessageWriter(std::vector<uint8_t>& bytes) : bytes_(bytes) { bytes_.clear(); }
@@ -64,8 +65,8 @@ class MessageWriter {
   std::vector<uint8_t>& bytes_;
 };
 
-/// Believes no length: arrays grow no larger than the bytes that are there. Once something does not fit, ok()
-/// is false and what is read is arbitrary.
+/// Does not trust lengths: arrays never exceed the bytes that are there. After the first mismatch ok() is
+/// false and the values read are unspecified.
 class MessageReader {
  public:
   explicit MessageReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -106,7 +107,7 @@ class MessageReader {
   }
 
  private:
-  /// Of an array; 0 when it is longer than what is left.
+  /// Length of an array; 0 when it exceeds the bytes that are left.
   size_t length(size_t item_bytes) {
     uint32_t count = 0;
     number(count);

@@ -5,8 +5,8 @@
 
 namespace strandcast {
 
-/// Each message once, for MessageWriter and MessageReader: the fields in the order of lcm/strandcast.lcm.
-/// LCM's messages and recordings are made of them.
+/// The fields of each message, once for MessageWriter and MessageReader, in the order of lcm/strandcast.lcm.
+/// LCM messages and recordings are made of them.
 
 template <class Stream, class Message>
 void chunkFields(Stream& s, Message& m) {
@@ -65,7 +65,7 @@ void messageFields(Stream& s, auto& m, std::type_identity<ColliderChunk>) {
   s.array(m.words);
 }
 
-/// Guide chunks of versions 3 and 5, which recordings of versions 1 and 2 have.
+/// Guide chunks of wire versions 3 and 5, which recordings of versions 1 and 2 contain.
 struct GuideChunk3 : GuideChunk {};
 struct GuideChunk5 : GuideChunk {};
 

@@ -6,7 +6,7 @@
 namespace strandcast {
 namespace {
 
-/// Of a text of names with a space between two; what is not one gives an empty name.
+/// Splits names at single spaces; two spaces in a row give an empty name.
 std::vector<std::string_view> namesOf(std::string_view text) {
   std::vector<std::string_view> names;
   while (!text.empty()) {

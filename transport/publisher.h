@@ -10,110 +10,116 @@
 
 namespace strandcast {
 
-/// How long a new daemon listens for the status of a rival where programs are there that may be one. Of 500
-/// starts, half heard it within 35 ms, 99 % within 1 s, and the slowest after 1.1 s.
+/// How long a new daemon listens for the status of a rival where a participant is present that may be one. Of
+/// 500 starts half heard it within 35 ms, 99 % within 1 s, and the slowest after 1.1 s.
 inline constexpr std::chrono::milliseconds kRivalListenTime{3000};
-/// How long it listens where no such program has shown itself.
+/// How long it listens where no such participant has been discovered.
 inline constexpr std::chrono::milliseconds kQuietListenTime{400};
-/// Over LCM, where every daemon tells its status twice a second and answers that of one that starts.
+/// Over LCM: every daemon sends its status twice a second and answers the status of one that starts.
 inline constexpr std::chrono::milliseconds kLcmListenTime{700};
-/// With keys: Fast DDS 2.9.1 repeats a message of a handshake that was lost only after a second. Of 25 starts
-/// on a busy machine 19 heard it within 0.7 s, 6 after 1.3 to 1.5 s; four losses in a row would be needed.
+/// With keys: Fast DDS 2.9.1 repeats a lost handshake message only after a second. Of 25 starts on a busy
+/// machine 19 heard the status within 0.7 s, and 6 after 1.3 to 1.5 s. This bound covers three losses in a
+/// row.
 inline constexpr std::chrono::milliseconds kSecureRivalListenTime{4500};
 
-/// How often a daemon, or a replay, tells its status.
+/// Period of the status of a daemon or a replay.
 inline constexpr double kStatusInterval = 0.5;  // s
 
-/// Daemons that share a groom listen so many times as long: who is heard may yet turn out to share it too.
+/// Factor of the listen time for daemons that share a groom: a participant that is heard may still turn out
+/// to share it.
 inline constexpr int kSharedListens = 2;
 
 /// Another live daemon of the same groom id.
 struct Rival {
   uint64_t session = 0;
-  bool casts = false;   ///< or is about to: it has told what it simulates
-  uint64_t frames = 0;  ///< that it has cast
+  bool casts = false;   ///< casts, or is about to: its status has strands
+  uint64_t frames = 0;  ///< published so far
 
   static Rival of(const Status& status) { return {status.session, status.strands > 0, status.frames}; }
   bool operator==(const Rival&) const = default;
 };
 
-/// Of daemons that share a groom: whose turn it is to cast.
-enum class SharedTurn {
+/// Among daemons that share a groom: which one casts.
+enum class CastingState {
   kUnshared,  ///< the daemon does not share its groom
-  kUnknown,   ///< others are there that may cast and were not heard yet
-  kNobodys,
-  kAnothers,
-  kOwn
+  kUnknown,   ///< others are present that may cast and have not been heard yet
+  kUnclaimed,   ///< no daemon claims the groom
+  kOther,  ///< another daemon casts
+  kOwn        ///< this daemon casts
 };
 
-/// The daemon's end of a channel. One thread at a time.
+/// The daemon's end of a channel. Not thread-safe.
 class Publisher {
  public:
   virtual ~Publisher() = default;
-  /// Describes the groom and its body to everyone, now and later. Call before publish(); again, with a higher
-  /// revision, when the topology changes. `groom_id`, the body's revision and, over DDS, `session` are filled
-  /// in by the channel. Throws Error on what a receiver would refuse: no strands, counts that do not fit,
-  /// non-finite numbers, a strand of more than kMaxWireVertices vertices.
+  /// Describes the groom and its body to all present and later readers. Precondition of publish(); call
+  /// again, with a higher revision, when the topology changes. The channel sets `groom_id`, the body's
+  /// revision and, over DDS, `session`. Throws Error on what a receiver would refuse: no strands, counts that
+  /// do not match, non-finite numbers, a strand of more than kMaxWireVertices vertices.
   virtual void announce(const GroomDescription& groom, const BodyDescription& body) = 0;
-  /// Tells everyone, now and later, what hair collides with; again, with a higher revision, when that
-  /// changes. Where colliders are that do not follow the head is in the frames. `groom_id` and, over DDS and
-  /// LCM, `session` are filled in by the channel. Throws Error on what a receiver would refuse: shapes that
-  /// are not sound, two colliders of one id, more than kMaxColliderShapes shapes.
+  /// Describes the colliders to all present and later readers. Call again, with a higher revision, when they
+  /// change. Poses of colliders that do not follow the head are in the frames. The channel sets `groom_id`
+  /// and, over DDS and LCM, `session`. Throws Error on what a receiver would refuse: invalid shapes, two
+  /// colliders of one id, more than kMaxColliderShapes shapes.
   virtual void announceColliders(const ColliderSet& colliders) = 0;
-  /// Neither blocks on slow readers nor throws. `frame` fits the groom last announced (another vertex count
-  /// or revision is the program's own fault: nothing is sent then); its `groom_id` and, over DDS, `session`
-  /// are filled in by the channel.
+  /// Neither blocks on slow readers nor throws. Precondition: `frame` fits the groom last announced; with
+  /// another vertex count or revision nothing is sent. The channel sets its `groom_id` and, over DDS,
+  /// `session`.
   virtual void publish(const GuideFrame& frame) = 0;
-  /// The end of a publisher waits a second for live readers that lack the last status: it may hold the answer
-  /// to the command that ended it.
+  /// The destructor waits up to a second for live readers that lack the last status: it may hold the answer
+  /// to the command that ended the daemon.
   virtual void publishStatus(const Status& status) = 0;
-  /// The next command for this groom, in the order of arrival; one that was sent twice comes once. Up to
-  /// kMaxQueuedCommands wait; beyond that the oldest go.
+  /// The next command for this groom, in the order of arrival; a repeated one is returned once. Up to
+  /// kMaxQueuedCommands wait; beyond that the oldest are dropped.
   virtual std::optional<Command> takeCommand() = 0;
+  /// Number of readers of the guides: matched (DDS), or heard within 3 s (LCM).
   virtual uint32_t matchedReaders() const = 0;
-  /// What became of the newest frame on the wire; in-process nothing is encoded.
+  /// Size and error of the newest frame as encoded; empty in-process, where nothing is encoded.
   virtual EncodingReport encoding() const = 0;
-  /// The rival, if one was heard; of several one that casts, else the one of the lowest session. A
-  /// publisher names itself from its creation on; ask again for listenTime() and before announce(), which
-  /// would take the readers over. Two daemons started at once hear each other: let the one with the higher
-  /// session give way, and the other wait until it has gone. A rival that was killed is never heard by a
-  /// daemon started after its end, and is forgotten after its lease of 3 s by one that ran before.
-  /// In-process: always empty.
+  /// A rival, if one was heard. Of several, one that casts; else the one of the lowest session. A publisher
+  /// sends its session from its creation on. Ask repeatedly for listenTime(), before announce(), which would
+  /// take the readers over. Two daemons started at once hear each other: the one with the higher session must
+  /// end, and the other waits until it has ended. A rival that was killed is never heard by a daemon started
+  /// after its end; one that ran before forgets it after its lease of 3 s. In-process: always empty.
   virtual std::optional<Rival> rival() const = 0;
-  /// How long after its creation a rival may still be heard for the first time, as far as is known now: over
-  /// DDS kQuietListenTime where no program is there that may be one, else kRivalListenTime (with keys
-  /// kSecureRivalListenTime; kSharedListens times as long where the groom is shared); over LCM
-  /// kLcmListenTime. None in-process.
+  /// How long after its creation a rival may still be heard for the first time, as known now. Over DDS:
+  /// kQuietListenTime where no participant is present that may be a rival, and no discovery server is used.
+  /// Else kRivalListenTime (with keys kSecureRivalListenTime), kSharedListens times as long where the groom
+  /// is shared. With profile `local`, 3.9 s where a daemon of the groom is known and none of its writers.
+  /// Over LCM: kLcmListenTime. In-process: 0.
   virtual std::chrono::milliseconds listenTime() const { return std::chrono::milliseconds(0); }
-  /// How many programs are there that may be rivals and have not said so.
+  /// Number of participants that may be rivals (DDS): daemons of the groom, without those that share it where
+  /// this one does, and participants without a role. Otherwise 0.
   virtual size_t possibleRivals() const { return 0; }
-  /// Of a daemon that shares its groom: whose turn it is. What it publishes is cast on its own turn alone,
-  /// and its first frame is its claim: it has the show by then, or there is none.
-  virtual SharedTurn sharedTurn() const { return SharedTurn::kUnshared; }
-  /// Of a daemon that shares its groom: true, once, where it stood still for so long (a suspended machine, a
-  /// debugger, a GPU that hangs) that another has taken its turn. From then on it is silent; it joins anew
-  /// and has to take the show before it publishes again.
-  virtual bool lapsed() { return false; }
-  /// Of a daemon that shares its groom and has published no frame: whether the one that casts claims it with
-  /// the same strength. It came first, and this one is to publish none as long as that one casts.
+  /// For a daemon that shares its groom: which daemon casts. What this one publishes is sent only while it
+  /// holds the claim. Its first frame is its claim: by then it has taken the show, or there is none.
+  virtual CastingState castingState() const { return CastingState::kUnshared; }
+  /// For a daemon that shares its groom: true, once, after it stood still so long (a suspended machine, a
+  /// debugger, a hung GPU) that another daemon took the claim. It sends nothing from then on. It joins as a
+  /// standby and must take the show before it publishes again.
+  virtual bool takeLapse() { return false; }
+  /// For a daemon that shares its groom and has published no frame: whether the daemon that casts claims it
+  /// with the same strength. That one came first, and this one must publish no frame as long as that one
+  /// casts.
   virtual bool yields() const { return false; }
-  /// Of a daemon that shares its groom, while another one casts: it claims nothing from now on, until it
-  /// publishes again.
-  virtual void leaveTurn() {}
-  /// Whether a daemon of this groom has been there for longer than its writers take to be found, and nothing
-  /// comes from it, as through shared memory where it runs as another user (DDS, profile `local`).
-  virtual bool isDeaf() const { return false; }
-  /// How many others share the groom.
+  /// For a daemon that shares its groom, while another one casts: withdraws its claim until it publishes
+  /// again.
+  virtual void withdrawClaim() {}
+  /// Whether a daemon of this groom has been known for longer than discovery of its writers takes, and none
+  /// was discovered: for example through shared memory of another user (DDS, profile `local`).
+  virtual bool cannotHearDaemon() const { return false; }
+  /// Number of other daemons that share the groom.
   virtual size_t sharers() const { return 0; }
-  /// Whether others have joined since the last show with hair.
+  /// Whether a daemon has joined since the last show with hair.
   virtual bool wantsHair() const { return false; }
-  /// On this daemon's turn: tells the others the show. `session` and `revision` are filled in by the channel.
-  /// Hair is sent by and by with the frames that follow.
+  /// While this daemon casts: sends the show to the standbys. The channel sets `session` and `revision`. Hair
+  /// is sent in parts with the frames that follow.
   virtual void publishShow(const Show&) {}
-  /// The newest show of the daemon whose turn it is, with hair and then without, each once.
+  /// The newest show of the daemon that casts, each once: first the newest with hair, then the newest
+  /// without.
   virtual std::optional<Show> takeShow() { return std::nullopt; }
-  /// Why what was published is not kept where it was to be, in an LCM log; empty where nothing went wrong. It
-  /// was logged, once.
+  /// Why published data could not be written to an LCM log; empty while nothing failed. The failure was
+  /// logged once.
   virtual std::string failure() const { return {}; }
 };
 

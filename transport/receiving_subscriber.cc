@@ -55,7 +55,7 @@ bool ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& wr
     return false;
   }
   const bool is_taken = statuses_.post(writer, status);
-  // After it: who has heard the answer finds what it changed.
+  // After the status, so that a thread that sees the answer sees its effects.
   if (status.groom_id == groom_id_) answers_.post(status);
   return is_taken;
 }

@@ -15,8 +15,8 @@
 
 namespace strandcast {
 
-/// What the subscribers of all networks do alike: chunks and statuses of one groom come in, descriptions,
-/// frames, answers and statistics go out. What is left is how messages travel. Thread-safe.
+/// The part of a subscriber that does not depend on the network: takes chunks and statuses of one groom, and
+/// provides descriptions, frames, answers and statistics. Derived classes carry the messages. Thread-safe.
 class ReceivingSubscriber : public Subscriber {
  public:
   std::shared_ptr<const GroomDescription> groom() const final { return queue_.groom(); }
@@ -40,11 +40,10 @@ class ReceivingSubscriber : public Subscriber {
   ReceiveStatistics statistics() const final;
 
  protected:
-  /// How long a daemon has to answer to a command, if nothing takes it longer.
+  /// Time that a daemon has to answer a command, unless its answer needs longer.
   static constexpr std::chrono::milliseconds kAnswerTime{2000};
 
-  /// With `conceals`, frames that lack strands are not waited for: their strands are put where they probably
-  /// are.
+  /// With `conceals`, incomplete frames are not waited for: their lost strands are extrapolated.
   ReceivingSubscriber(uint32_t groom_id, bool conceals)
       : groom_id_(groom_id),
         conceals_(conceals),
@@ -56,7 +55,7 @@ class ReceivingSubscriber : public Subscriber {
   void receive(GroomChunk chunk);
   void receive(BodyChunk chunk);
   void receive(ColliderChunk chunk);
-  /// `read` sets the chunk that it is given, whose memory is used again, and says whether it is sound.
+  /// `read` fills the given chunk, whose memory is reused, and returns whether it is sound.
   template <class Read>
   void receiveGuides(const Read& read) {
     const std::lock_guard lock(mutex_);
@@ -65,7 +64,7 @@ class ReceivingSubscriber : public Subscriber {
     else
       ++messages_damaged_;
   }
-  /// False where it is damaged or the board did not take it.
+  /// False where it is damaged or the status board is full.
   bool receive(Status status, const StatusBoard::WriterId& writer);
   void countDamagedMessage();
 
@@ -79,7 +78,7 @@ class ReceivingSubscriber : public Subscriber {
   const bool conceals_;
   FrameQueue queue_;
   Answers answers_;
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards all below
   GroomAssembler grooms_;
   BodyAssembler bodies_;
   ColliderAssembler colliders_;

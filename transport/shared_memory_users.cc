@@ -14,7 +14,7 @@
 namespace strandcast {
 namespace {
 
-// How Fast DDS 2.9.1 names a port, and the file that its reader holds locked as long as it lives.
+// Fast DDS 2.9.1 names ports so. Its reader holds the file with the suffix kLock locked during its lifetime.
 constexpr std::string_view kPort = "fastrtps_port";
 constexpr const char* kLock = "_el";
 constexpr int kFirstPort = 7400, kPortsPerDomain = 250;
@@ -28,7 +28,7 @@ bool isPortOf(const std::string& name, int domain) {
   return failure == std::errc() && rest == end && port >= first && port < first + kPortsPerDomain;
 }
 
-/// What a program that was killed left behind is held by nobody.
+/// Whether a live program holds the port: one left by a killed program is not locked.
 bool isHeld(const std::filesystem::path& port) {
   const int file = open((port.string() + kLock).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (file < 0) return errno != ENOENT;

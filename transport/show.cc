@@ -11,7 +11,7 @@
 namespace strandcast {
 namespace {
 
-/// The arrays of a state as their numbers.
+/// Visits the arrays of a state.
 template <class State, class Take>
 void hairArrays(State& hair, const Take& take) {
   take(hair.positions);
@@ -28,7 +28,7 @@ std::vector<float> numbersOf(const std::vector<Item>& items) {
   return numbers;
 }
 
-/// False where the numbers are no whole items.
+/// False where the floats are no whole number of items.
 template <class Item>
 bool takeNumbers(const std::vector<float>& numbers, std::vector<Item>& items) {
   constexpr size_t kNumbers = sizeof(Item) / sizeof(float);
@@ -130,7 +130,7 @@ std::optional<Show> ShowAssembler::add(ShowChunk&& chunk) {
   if (!chunks_.empty()) {
     const ShowChunk& first = chunks_.begin()->second;
     if (first.session == chunk.session && first.revision > chunk.revision)
-      return std::nullopt;  // an older one
+      return std::nullopt;  // an older revision
     if (first.session != chunk.session || first.revision != chunk.revision ||
         first.chunk_count != chunk.chunk_count)
       chunks_.clear();

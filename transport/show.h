@@ -11,9 +11,10 @@
 
 namespace strandcast {
 
-/// What a daemon that casts a shared groom tells the others that share it (DdsOptions::claim), so that each
-/// of them can go on with the show: docs/wire.md, "ShowChunk".
+/// The state that a daemon which casts a shared groom sends to its standbys (DdsOptions::claim), so that each
+/// of them can take over: docs/wire.md, "ShowChunk".
 
+/// Numbers on the wire: docs/wire.md, "ShowChunk", has the name and the values of each kind.
 enum class ShowKind : uint32_t {
   kFingerprint = 0,
   kParameter = 1,
@@ -32,21 +33,22 @@ enum class ShowKind : uint32_t {
 };
 inline constexpr uint32_t kShowKinds = 14;
 
-/// One thing that commands steer, as it is now.
+/// The present state of one thing that commands steer.
 struct ShowEntry {
   ShowKind kind = ShowKind::kParameter;
-  std::string name;            ///< kMaxTextBytes at most
-  std::vector<double> values;  ///< kMaxShowValues at most, finite
+  std::string name;            ///< at most kMaxTextBytes
+  std::vector<double> values;  ///< at most kMaxShowValues, finite
 
   bool operator==(const ShowEntry&) const = default;
 };
 
+/// A snapshot of the casting daemon's state.
 struct Show {
-  uint64_t session = 0;        ///< of the daemon that casts it
+  uint64_t session = 0;        ///< of the daemon that casts
   uint32_t revision = 0;       ///< counts up within a session
   double simulation_time = 0;  ///< s
   std::vector<ShowEntry> entries;
-  /// World, m; as Simulation::state(). Without positions there is no hair in it.
+  /// World, m; as Simulation::state(). Without positions the show has no hair.
   StrandState hair;
 
   bool hasHair() const { return !hair.positions.empty(); }
@@ -54,7 +56,8 @@ struct Show {
 
 inline constexpr size_t kMaxShowValues = 64, kMaxShowEntries = 8192;
 
-/// A piece of a Show. Shows with and without hair are different parts, whose chunks replace only their own.
+/// A part of a Show's bytes. Shows with hair and shows without are different parts: a chunk replaces only
+/// chunks of its part.
 struct ShowChunk {
   enum Part : uint32_t { kState = 0, kStateAndHair = 1 };
   uint64_t session = 0;
@@ -62,19 +65,19 @@ struct ShowChunk {
   std::vector<uint8_t> payload;
 };
 
-/// The bytes of all chunks of a show, one behind the other.
+/// The payload bytes of all chunks of a show, concatenated.
 std::vector<uint8_t> showBytes(const Show& show);
-/// The other way round, but for session and revision; nothing where the bytes are no sound show.
+/// Inverse of showBytes(), without session and revision; nothing where the bytes are no valid show.
 std::optional<Show> showOf(std::span<const uint8_t> bytes);
 
-/// Empty where it would take more than kMaxChunks chunks.
+/// Empty where the show would take more than kMaxChunks chunks.
 std::vector<ShowChunk> splitShow(const Show& show, uint32_t groom_id);
 
-/// Puts shows of one part together from chunks in any order. Not thread-safe.
+/// Assembles shows of one part from chunks in any order. Not thread-safe.
 class ShowAssembler {
  public:
   ShowAssembler(uint32_t groom_id, ShowChunk::Part part) : groom_id_(groom_id), part_(part) {}
-  /// The show that this chunk completed.
+  /// The show that this chunk completed, or nothing.
   std::optional<Show> add(ShowChunk&& chunk);
   uint64_t chunksRejected() const { return chunks_rejected_; }
 

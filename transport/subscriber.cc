@@ -12,7 +12,7 @@ constexpr std::chrono::milliseconds kSendAgain{500}, kLook{20};
 
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
                                const std::function<bool()>& gives_up) {
-  checkCommand(command, command.groom_id);  // what never fits is not sent again
+  checkCommand(command, command.groom_id);  // an invalid command is not repeated
   for (;;) {
     try {
       subscriber.send(command, gives_up);
@@ -24,7 +24,7 @@ std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
     } catch (const Error&) {
       if (!subscriber.mayCommand() || gives_up()) throw;
     }
-    std::this_thread::sleep_for(kLook);  // an Error may come at once
+    std::this_thread::sleep_for(kLook);  // send() may throw at once
   }
 }
 

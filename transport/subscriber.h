@@ -10,112 +10,119 @@
 
 namespace strandcast {
 
+/// Counts since the subscriber was made.
 struct ReceiveStatistics {
-  uint64_t frames_received = 0;  ///< complete frames, concealed ones among them
-  /// Frame numbers from the first to the newest complete frame of each session and revision that never became
-  /// complete: gaps in the count, and frames left incomplete when a newer one was completed. Frames that the
-  /// renderer did not look at in time are not lost, nor are those of a leap by more than 4096 frames.
+  uint64_t frames_received = 0;  ///< complete frames, concealed ones included
+  /// Frame numbers between the first and the newest complete frame of each session and revision that never
+  /// became complete: gaps in the numbering, and frames still incomplete when a newer one was completed.
+  /// Frames that the renderer did not take in time do not count, nor do those of a jump of more than 4096
+  /// frames.
   uint64_t frames_lost = 0;
-  /// Of the frames received: those with strands that were lost and are put where they probably are, and these
-  /// strands, added up. Only over links that do not repair losses (LCM).
+  /// frames_concealed: received frames with lost strands whose positions were extrapolated.
+  /// strands_concealed: the sum of these strands over all frames. Both stay 0 over links that repair losses
+  /// (all but LCM and DdsProfile::kBestEffort).
   uint64_t frames_concealed = 0, strands_concealed = 0;
-  uint64_t chunks_rejected = 0;  ///< damaged, of another session or revision, or of a frame far off
-  /// Sound chunks that refer to a key frame that is not here (--codec temporal): from before this reader
-  /// joined, or behind a key frame that it lost.
+  /// Chunks that are malformed, of another session or revision, or of a frame number out of sequence.
+  uint64_t chunks_rejected = 0;
+  /// Well-formed chunks that refer to a key frame that is missing here (--codec temporal): one from before
+  /// this reader joined, or one that was lost.
   uint64_t chunks_without_key = 0;
   uint64_t payload_bytes = 0;  ///< of the frames received; 0 in-process, where nothing is encoded
-  /// Publish to complete, over the last 1,000 frames, by the system clocks of both machines: their difference
-  /// is in it.
+  /// Latency from publication to completion over the last 1,000 frames, by the system clocks of both
+  /// machines: it includes the offset between the clocks.
   double latency_ms_p50 = 0, latency_ms_p99 = 0;
 };
 
-inline constexpr size_t kFrameQueueLength = 8;
+inline constexpr size_t kFrameQueueLength = 8;  ///< frames that a subscriber keeps by default
 
-/// The renderer's end of a channel: the one thing a renderer programmer needs, made by makeDdsSubscriber()
-/// (transport/dds.h), makeLcmSubscriber() (transport/lcm.h) or makeInProcessChannel()
-/// (transport/in_process.h). docs/client.md has a whole reader. Receives in its own thread; every call is
+/// The renderer's end of a channel, made by makeDdsSubscriber() (transport/dds.h), makeLcmSubscriber()
+/// (transport/lcm.h) or makeInProcessChannel() (transport/in_process.h). It is the only interface that a
+/// renderer needs; docs/client.md shows a whole reader. It receives in its own thread. Every call is
 /// thread-safe.
 ///
-/// A daemon that has gone is told by status() alone: groom() and frame() stay what they were.
+/// When the daemon ends, only status() changes: groom() and frame() keep their last values.
 class Subscriber {
  public:
   virtual ~Subscriber() = default;
   /// The newest description, or null while none is complete. The pointer changes when the daemon or its groom
-  /// does.
+  /// changes.
   virtual std::shared_ptr<const GroomDescription> groom() const = 0;
-  /// The body that was announced with groom(), or null while it is not complete.
+  /// The body that was announced with groom(), or null while it is incomplete.
   virtual std::shared_ptr<const BodyDescription> body() const = 0;
-  /// What the hair of groom() collides with, newest, or null while it is not complete. The pointer changes
-  /// when that does.
+  /// The newest colliders of groom(), or null while they are incomplete. The pointer changes when they
+  /// change.
   virtual std::shared_ptr<const ColliderSet> colliders() const = 0;
   /// The newest complete frame that fits groom(), or null.
   virtual std::shared_ptr<const GuideFrame> frame() const = 0;
-  /// How many of the newest frames are kept, at least 1; kFrameQueueLength unless a reader may be held up for
-  /// longer and wants every frame (a recording). Each costs 12 B a vertex.
+  /// Sets how many of the newest frames are kept, at least 1; the default is kFrameQueueLength. A reader that
+  /// wants every frame and may stall for longer (a recording) raises it. Each frame costs 12 B a vertex.
   virtual void keepFrames(size_t count) = 0;
-  /// The OLDEST of the frames kept that is newer than `after`, waiting for one when there is none yet; null
-  /// on timeout. 0 takes any. A reader that passes the number of the frame it got last sees every frame in
-  /// order while it is fewer frames behind than are kept, and skips the oldest when it is not. Frame numbers
-  /// start again with a session, that is when a daemon is started anew: an `after` beyond the newest frame is
-  /// of an earlier session and counts as 0, but one that is not cannot be told from this session's. Who reads
-  /// on through that uses waitForNext().
+  /// Returns the OLDEST kept frame that is newer than `after`, and waits when there is none yet; null on
+  /// timeout. 0 accepts any frame. A reader that passes the number of its last frame gets every frame in
+  /// order while it lags by fewer frames than are kept; otherwise it skips the oldest. Frame numbers start
+  /// again with each session (each start of the daemon). An `after` beyond the newest frame therefore belongs
+  /// to an earlier session and counts as 0; one within range cannot be told from this session's. A reader
+  /// that continues across sessions uses waitForNext().
   virtual std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after,
                                                          std::chrono::milliseconds timeout) = 0;
-  /// The same after the frame `last`; null, or a frame of another session, stands for none.
+  /// As waitForFrame(), after the frame `last`. Null, or a frame of another session, stands for 0.
   virtual std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last,
                                                         std::chrono::milliseconds timeout) = 0;
-  /// Waits for groom and body, of one session and revision; false on timeout.
+  /// Waits for groom and body of one session and revision; false on timeout.
   virtual bool waitForGroom(std::chrono::milliseconds timeout) = 0;
-  /// Newest status of this subscriber's groom; `strands` is 0 while its daemon does not cast yet. None before
-  /// the first, and once its daemon is gone: at once when it says so (DDS), else after 3 s of silence.
+  /// Newest status of this subscriber's groom; `strands` is 0 until its daemon casts. Empty before the first
+  /// status, and after the daemon has ended: at once when it says so (DDS), else after 3 s of silence.
   virtual std::optional<Status> status() const = 0;
   /// Newest status of every live daemon on the network.
   virtual std::vector<Status> allStatuses() const = 0;
-  /// Whether this program is permitted to (DDS, profile `secure`), and commands go anywhere: from readers of
-  /// a log file (LCM) they do not.
+  /// Whether this program may send commands (DDS, profile `secure`) and has a daemon to send them to: false
+  /// for readers of an LCM log file.
   virtual bool mayCommand() const { return true; }
-  /// Sends a command to the daemon of `command.groom_id` 's groom, which is this subscriber's (0 stands for
-  /// it). Blocks until the daemon's machine has it (over LCM: until it is sent), and the daemon's answer can
-  /// be heard. The command may be lost, and the daemon may end before it obeys: ask() sends until there is an
-  /// answer. Throws Error when no daemon of that groom answers within 2 s (6 s with keys), or until
-  /// `gives_up` where there is one, which is asked again and again; when `id` is 0, when the command is
-  /// longer than the wire takes, or without mayCommand().
+  /// Sends a command to the daemon of groom `command.groom_id`, which must be this subscriber's groom or 0,
+  /// which stands for it. Blocks until the daemon's machine has received it (over LCM: until it is sent), and
+  /// until the daemon's answer can be received. The command may be lost, and the daemon may end before it
+  /// executes it: ask() repeats it until it is answered. Throws Error when no daemon of that groom is found
+  /// within 2 s (12 s with keys; longer with profile `local`, which may fall back to UDP meanwhile) or before
+  /// `gives_up` returns true (it is polled); when `id` is 0; when the command exceeds the wire's limits; or
+  /// when mayCommand() is false.
   virtual void send(const Command& command, const std::function<bool()>& gives_up = {}) = 0;
-  /// The daemon's answer to the command of this id: empty text when it was carried out, the reason when it
-  /// was refused, nothing on timeout. The newest 256 answers are kept, also when the daemon has ended.
+  /// The daemon's answer to the command of this id: an empty text when it was executed, the reason when it
+  /// was refused, nothing on timeout. The newest 256 answers are kept, also after the daemon has ended.
   virtual std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) = 0;
   virtual ReceiveStatistics statistics() const = 0;
 };
 
-/// Sends the command, again every half second, until the daemon has answered; however often it comes, a
-/// daemon obeys it once. Its answer as of waitForAnswer(); nothing, or the Error of the last send, soon after
-/// `gives_up` is true. Throws Error at once on a command that the wire does not take.
+/// Sends the command every half second until the daemon has answered; the daemon executes it once, however
+/// often it arrives. Returns the answer as waitForAnswer() does. Soon after `gives_up` returns true, it
+/// returns nothing or rethrows the Error of the last send. Throws Error at once on a command that exceeds the
+/// wire's limits.
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
                                const std::function<bool()>& gives_up);
 
-/// Which of the frames that have come is drawn.
+/// Which received frame a picture shows.
 enum class Playout {
-  kLatest,  ///< the newest one: least delay, but uneven motion where frames come unevenly
-  kSmooth,  ///< between two frames, one frame behind: even motion at any rate of pictures
-  kExact    ///< each one once, in order: for pictures that are kept
+  kLatest,  ///< the newest frame: least delay, but uneven motion where frames arrive unevenly
+  kSmooth,  ///< interpolated between two frames, one frame behind: even motion at any picture rate
+  kExact    ///< each frame once, in order: for pictures that are stored
 };
 
+/// Counts since the player was made, and its present delay.
 struct PlayoutStatistics {
-  uint64_t pictures = 0;  ///< calls that gave a frame
-  uint64_t repeated = 0;  ///< of these, with nothing newer than the picture before
-  double delay_ms = 0;    ///< kSmooth: from the arrival of a frame without jitter to its picture
-  double jitter_ms = 0;   ///< kSmooth: by which 19 of 20 frames come later than the fastest
+  uint64_t pictures = 0;  ///< calls that returned a frame
+  uint64_t repeated = 0;  ///< calls that had no newer frame than the call before
+  double delay_ms = 0;   ///< kSmooth: from the arrival of a frame without jitter to the picture that shows it
+  double jitter_ms = 0;  ///< kSmooth: 95th percentile of the delay of frames relative to the fastest
 };
 
-/// Moves hair that was simulated on one head pose rigidly to another, newer one ("late latching"): a renderer
-/// that tracks the head itself then shows no delay of the head, only of the sway of the hair. Not for hair
-/// whose roots stay on a skinned body, which is not the head's.
+/// Moves hair that was simulated on one head pose rigidly to a newer one ("late latching"). A renderer that
+/// tracks the head itself then shows no latency of the head, only of the sway of the hair. Not for hair whose
+/// roots lie on a skinned body: its roots do not move with the head alone.
 void moveToHead(GuideFrame& frame, const Pose& head);
-/// A frame between two of one revision, at a time between theirs: positions go straight relative to the head,
-/// the head and colliders from pose to pose. All else is the later one's.
+/// Interpolates two frames of one revision at a time between theirs. Positions are interpolated linearly in
+/// the head's frame, the head and colliders by pose. All other fields are those of the later frame.
 void mixFrames(const GuideFrame& a, const GuideFrame& b, double time, GuideFrame& out);
 
-/// Picks frames for the pictures of a renderer, one thread at a time. `subscriber` outlives it.
+/// Picks frames for the pictures of a renderer. Not thread-safe. `subscriber` must outlive it.
 class FramePlayer {
  public:
   FramePlayer(Subscriber& subscriber, Playout playout);
@@ -123,12 +130,13 @@ class FramePlayer {
   FramePlayer(const FramePlayer&) = delete;
   FramePlayer& operator=(const FramePlayer&) = delete;
 
-  /// The frame for a picture that is drawn now; null while there is none (kExact: no further one). With
-  /// `head`, moved there. Never waits. `now` by the steady clock.
+  /// The frame for a picture that is drawn now, moved to the pose `head` if given. Null while there is none
+  /// (kExact: no further one). Never waits. `now` is of the steady clock.
   ///
-  /// kSmooth keeps the offset between this machine's clock and simulation time at the least that the last
-  /// second or so of arrivals shows, and plays one frame interval and the jitter (at most a second interval)
-  /// behind it, between two frames as mixFrames(). Where frames stay away it stands still on the newest.
+  /// kSmooth estimates the offset between this machine's clock and simulation time as the least that about
+  /// the last second of arrivals shows. It plays one frame interval plus the jitter (at most a second
+  /// interval) behind it, and interpolates by mixFrames(). Where no new frames arrive, it stays on the
+  /// newest.
   std::shared_ptr<const GuideFrame> next(
       const std::optional<Pose>& head = std::nullopt,
       std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());

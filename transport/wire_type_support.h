@@ -5,9 +5,10 @@
 
 namespace strandcast {
 
-/// A generated type whose deserialize() fails where the generated one throws. fastddsgen's code catches only
-/// running out of bytes; Fast CDR throws others, e.g. on an unknown encapsulation, and in Fast DDS's
-/// receiving thread they would end the process: one bad datagram from anyone on the network.
+/// A generated type whose deserialize() returns false where the generated one throws. fastddsgen's code
+/// catches only the end of the buffer. Fast CDR throws other exceptions, e.g. on an unknown encapsulation; in
+/// Fast DDS's receiving thread they would end the process, so that one bad datagram from the network would
+/// do.
 template <class Generated>
 class GuardedType final : public Generated {
  public:

@@ -6,7 +6,7 @@
 namespace strandcast {
 namespace {
 
-/// The two directions of a field of a message, `own`, and of its generated type.
+/// Copy a field of a message, `own`, to or from that of its generated type, `wire`.
 struct ToWire {
   template <class Own, class Wire>
   static void value(const Own& own, Wire& wire) {
@@ -156,7 +156,7 @@ void statusFields(auto copy, auto& own, auto& wire) {
   copy.text(own.backend, wire.backend());
   copy.text(own.device, wire.device());
   copy.text(own.last_command_error, wire.last_command_error());
-  copy.value(own.parameters.names, wire.parameter_names());  // longer than a text
+  copy.value(own.parameters.names, wire.parameter_names());  // may exceed kMaxTextBytes
   copy.array(own.parameters.components, wire.parameter_components());
   copy.array(own.parameters.values, wire.parameter_values());
 }

@@ -5,9 +5,9 @@
 
 namespace strandcast {
 
-/// Between the project's structs and the generated types. The large arrays are exchanged (swapped), not
-/// copied: both sides keep their memory for the next chunk. `fromWire` takes what was received unchecked;
-/// strings that are longer than kMaxTextBytes are cut.
+/// Convert between the project's structs and the generated types. Large arrays are swapped, not copied, so
+/// that both sides reuse their memory. `fromWire` does not check what was received; it cuts strings to
+/// kMaxTextBytes.
 void toWire(GroomChunk& chunk, v6::GroomChunk& wire);
 void fromWire(v6::GroomChunk& wire, GroomChunk& chunk);
 void toWire(BodyChunk& chunk, v6::BodyChunk& wire);

@@ -15,8 +15,8 @@ constexpr int kSizes[] = {16, 32, 64};
 
 const char* schemeName(bool mac_cormack) { return mac_cormack ? "MacCormack" : "semi-Lagrangian"; }
 
-// Error of the velocity after 1 s over its largest, rms. Cell and time step shrink together, the Courant
-// number stays.
+// Rms error of the velocity after 1 s over its largest value. Cell and time step shrink together at a
+// constant Courant number.
 double taylorGreenError(const Laboratory& laboratory, int cells, bool mac_cormack) {
   constexpr double kViscosity = 0.05, kSeconds = 1;
   const std::unique_ptr<Wind> wind =
@@ -54,7 +54,7 @@ std::vector<std::string> namesOfTaylorGreen() {
   return names;
 }
 
-// The splitting into advection and projection is of the first order, whatever the advection is.
+// The splitting into advection and projection is first order, with either advection.
 std::vector<Case> taylorGreen(const Laboratory& laboratory) {
   constexpr double kLimitAt16 = 5;  // % of the largest velocity; half of it with half the cell
   const std::vector<std::string> names = namesOfTaylorGreen();
@@ -73,21 +73,21 @@ std::vector<Case> taylorGreen(const Laboratory& laboratory) {
   return cases;
 }
 
-// A blob off the axis is carried once round by a rigid rotation; the component along the axis is its density.
+// A rigid rotation carries a blob once around the axis. The velocity component along the axis is its density.
 std::vector<std::string> namesOfBlob() {
   return {"blob's mass semi-Lagrangian", "blob's shape semi-Lagrangian", "blob's mass MacCormack",
           "blob's shape MacCormack"};
 }
 
-constexpr double kBlob = 0.07;  // of the grid's edge, standard deviation
+constexpr double kBlob = 0.07;  // standard deviation over the edge of the grid
 
-// Rms error over its own rms of a Gaussian of standard deviation `size` cells that `steps` steps carry once
-// round at `radius` cells, by von Neumann's analysis: every step multiplies each Fourier mode by what linear
-// interpolation leaves of it, g, and MacCormack's correction by (3 - |g|^2) / 2 more (Selle and others 2008).
-// The scheme without limits, the blob's middle standing for all of it.
+// Predicted relative rms error of a Gaussian of standard deviation `size` cells after `steps` steps of one
+// turn at `radius` cells, by von Neumann analysis. Each step multiplies a Fourier mode by the factor g of
+// linear interpolation; the MacCormack correction multiplies it by (3 - |g|^2) / 2 (Selle and others 2008).
+// Without the limiter, and with the velocity at the blob's centre for the whole blob.
 double carriedRoundError(double size, double radius, int steps, bool mac_cormack) {
   using Complex = std::complex<double>;
-  constexpr int kModes = 20;       // of each sign and axis
+  constexpr int kModes = 20;       // per sign and axis
   const double most = 3.5 / size;  // 1/cell; the blob's spectrum is e^(-6) there
   const double turn = 2 * std::numbers::pi / steps;
   auto interpolated = [](double way, double wave) {
@@ -100,8 +100,10 @@ double carriedRoundError(double size, double radius, int steps, bool mac_cormack
       Complex left = 1;
       for (int step = 0; step < steps; ++step) {
         const double angle = turn * (step + 0.5), c = std::cos(angle), s = std::sin(angle);
-        const double way[2] = {-radius * turn * s, radius * turn * c};  // of a blob that began on the x axis
-        const double wave[2] = {c * x - s * y, s * x + c * y};          // of a mode that turns with it
+        const double way[2] = {
+            -radius * turn * s,
+            radius * turn * c};  // displacement in the step of a blob that started on the x axis
+        const double wave[2] = {c * x - s * y, s * x + c * y};  // wave vector of a mode that rotates with it
         const Complex g = interpolated(way[0], wave[0]) * interpolated(way[1], wave[1]);
         const Complex factor = mac_cormack ? g + 0.5 * (1 - std::norm(g)) : g;
         left *= factor * std::polar(1.0, wave[0] * way[0] + wave[1] * way[1]);
@@ -172,7 +174,7 @@ std::vector<Case> sphere(const Laboratory& laboratory) {
   ball.radius = static_cast<float>(kSphere);
   const MovingPrimitive body = moved(ball, Pose{}, Pose{}, static_cast<float>(kStep));
   double outflow = 0, lee_along = 0, lee = 0;
-  std::vector<Vec3> places, means;  // across the disc of the sphere's radius, one radius behind it
+  std::vector<Vec3> places, means;  // on a disc of the sphere's radius, one radius behind the sphere
   const auto radius = static_cast<float>(kSphere);
   for (float y = -0.95f; y < 1; y += 0.1f)
     for (float z = -0.95f; z < 1; z += 0.1f)
@@ -201,22 +203,22 @@ std::vector<Case> sphere(const Laboratory& laboratory) {
           behind};
 }
 
-// A sphere is a source of air: what is at r of its middle has the speed u R^2 / r^2, away from it.
+// Exact flow of a sphere source: radial, with the speed u R^2 / r^2 at the distance r.
 constexpr double kSource = 0.1, kSourceSpeed = 3, kSourceBox = 1.2;  // m, m/s, m
 
 WindSource sourceSphere() {
   WindSource sphere;
   sphere.kind = WindSource::Kind::kSphere;
-  sphere.position = Vec3(0.013f, -0.021f, 0.007f);  // not where cells meet
+  sphere.position = Vec3(0.013f, -0.021f, 0.007f);  // not at a corner or centre of a cell
   sphere.radius = static_cast<float>(kSource);
   sphere.speed = static_cast<float>(kSourceSpeed);
   return sphere;
 }
 
-// Around a sphere, two radii from its middle, over the exact speed there.
+// Flow at two radii from the centre of a sphere, in units of the exact speed there.
 struct SourceFlow {
-  double mean = 0, scatter = 0;  ///< of the velocity away from it
-  double error = 0;              ///< of the velocity, rms
+  double mean = 0, scatter = 0;  ///< of the radial velocity
+  double error = 0;              ///< rms error of the velocity
 };
 
 SourceFlow flowAround(const Wind& grid, const WindSource& sphere) {
@@ -224,7 +226,7 @@ SourceFlow flowAround(const Wind& grid, const WindSource& sphere) {
   const double turn = std::numbers::pi * (3 - std::sqrt(5.0)), exact = kSourceSpeed / 4;
   SourceFlow flow;
   double squares = 0;
-  for (int n = 0; n < kDirections; ++n) {  // evenly, on a spiral
+  for (int n = 0; n < kDirections; ++n) {  // evenly distributed on a spiral
     const double z = 1 - (2 * n + 1.0) / kDirections, across = std::sqrt(1 - z * z);
     const Vec3 way(static_cast<float>(across * std::cos(turn * n)),
                    static_cast<float>(across * std::sin(turn * n)), static_cast<float>(z));
@@ -248,9 +250,8 @@ std::vector<std::string> namesOfSource() {
   return names;
 }
 
-// The flow stands after one step. What differs between directions then grows: where air spreads, vorticity is
-// stretched and the air that carries it slows, so that a part of the speed at the surface is 16 times as
-// large a part two radii out.
+// The flow is established after one step. Differences between directions then grow: diverging flow stretches
+// vorticity and slows down, so a relative deviation at the surface is 16 times as large at two radii.
 std::vector<Case> windFromSphere(const Laboratory& laboratory) {
   constexpr double kStep = 1.0 / 60, kLimits[] = {15, 5, 1.7};  // %
   constexpr int kSteps = 30;
@@ -313,7 +314,7 @@ std::vector<Case> deflection(const Laboratory& laboratory) {
     parameters.wind_grid = 1;
     parameters.grid_cells = 16;
     parameters.air_drag_along = static_cast<float>(kAlong);
-    parameters.hairs_per_strand = 0;  // the wind of the truth is uniform
+    parameters.hairs_per_strand = 0;  // hair must not slow the wind: the exact solution has a uniform one
     parameters.wind.x() =
         static_cast<float>(load * bendingOverMass(Material{}) / (drag * std::pow(kLength, 3)));
     Simulation simulation =
@@ -326,7 +327,7 @@ std::vector<Case> deflection(const Laboratory& laboratory) {
   return cases;
 }
 
-// A hair-drier blows at a head from one side; how far the tips of either side go.
+// A hair drier blows at a head from one side: displacements of the tips on both sides.
 std::vector<Case> hairDrier(const Laboratory& laboratory) {
   constexpr double kSeconds = 2, kWatched = 1;
   Parameters parameters = laboratory.parameters(60, 5);
@@ -345,7 +346,7 @@ std::vector<Case> hairDrier(const Laboratory& laboratory) {
   const StrandModel model = headOfHair(500, 0.15, 15, 2);
   Simulation simulation = laboratory.simulation(model, {headBody()}, parameters, {drier});
   const std::vector<Vec3> rest(simulation.guides().begin(), simulation.guides().end());
-  double squares[2] = {}, counts[2] = {};  // in the wind, in the lee
+  double squares[2] = {}, counts[2] = {};  // on the windward side, on the lee side
   laboratory.advance(simulation, kSeconds, [&] {
     if (simulation.time() < kSeconds - kWatched) return;
     for (size_t s = 0; s < model.strands(); ++s) {

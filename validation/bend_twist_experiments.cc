@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCurvatures[] = {8, 10};  // natural curvature x length
 constexpr double kParts[] = {0.91, 0.94, 0.97, 1,
-                             1.03, 1.06, 1.09};  // of the threshold, of the strands' gamma
+                             1.03, 1.06, 1.09};  // gamma of the strands over the threshold
 
 std::vector<std::string> namesOfThreshold() {
   return caseNames("bend-twist threshold phi={:g}", kCurvatures);
@@ -25,8 +25,8 @@ double outOfPlane(Simulation& simulation, size_t s) {
   return std::sqrt(sum);
 }
 
-// Strands that hang at rest in their plane are pushed out of it a little. Near the threshold that decays or
-// grows at a rate that is linear in gamma; the threshold is where the rate is zero.
+// Strands that hang at rest in their plane get a small push out of it. Near the threshold the perturbation
+// decays or grows at a rate that is linear in gamma; the threshold is the zero of the rate.
 std::vector<Case> threshold(const Laboratory& laboratory) {
   constexpr double kSettling = 6, kPassing = 2, kWatching = 2;  // s
   constexpr float kPush = 0.005f;                               // m/s at the tip
@@ -70,13 +70,13 @@ std::vector<Case> threshold(const Laboratory& laboratory) {
   return cases;
 }
 
-// Rotation of frame b against frame a about their z axes, which are nearly the same; rad.
+// Rotation of frame b relative to frame a about their nearly parallel z axes, rad.
 double twistBetween(const Quat& a, const Quat& b) {
   const Quat turn = a.conjugate() * b;
   return 2 * std::atan2(turn.w() < 0 ? -turn.z() : turn.z(), std::fabs(turn.w()));
 }
 
-// A quarter turn, then on to two turns.
+// A quarter turn, then continued to two turns.
 std::vector<Case> twist(const Laboratory& laboratory) {
   constexpr double kTurning = std::numbers::pi;  // rad/s
   constexpr double kDegree = std::numbers::pi / 180;
@@ -84,7 +84,7 @@ std::vector<Case> twist(const Laboratory& laboratory) {
   Simulation simulation = laboratory.simulation(modelOf({points}), laboratory.parameters(kRate, 5));
   Quat last = simulation.state().frames[kEdges - 1];
   double turned = 0, angle = 0;
-  // Turning about the vertical axis, which points against the strand, is a negative twist.
+  // The vertical axis is antiparallel to the strand, so a positive turn about it is a negative twist.
   auto turnTo = [&](double end) {
     const double begin = angle, start = simulation.time();
     int step = 0;

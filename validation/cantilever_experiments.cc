@@ -18,11 +18,11 @@ constexpr double kRates[] = {360, 720};
 
 struct Cantilever {
   double gamma;
-  int edges;                         ///< what the names of cases call vertices: those beside the clamped one
-  double place = 1;                  ///< from which on, of its length, it is another
-  double stiffness = 1, radius = 1;  ///< there, over those at the clamp
-  double density = 1;                ///< there, over that at the clamp,
-  double growth = 0;                 ///< and by how much it grows evenly from there to the tip
+  int edges;                         ///< "vertices" in the names of cases: those that are not clamped
+  double place = 1;                  ///< fraction of the length where properties change
+  double stiffness = 1, radius = 1;  ///< factors beyond `place`, over those at the clamp
+  double density = 1;                ///< factor just beyond `place`
+  double growth = 0;                 ///< linear growth of the factor from `place` to the tip
 };
 
 ElasticaStep stepOf(const Cantilever& c) {
@@ -44,7 +44,7 @@ Material materialOf(const Cantilever& c) {
   return material;
 }
 
-/// Drop over reach of the tips of horizontal strands of human hair, at rest.
+/// Drop over reach of the tips of horizontal strands of human hair at rest.
 std::vector<double> restingSlopes(const Laboratory& laboratory, const std::vector<Cantilever>& cantilevers,
                                   double rate, float drag = kDrag, double settling = kSettlingTime) {
   std::vector<StrandPoints> strands;
@@ -69,7 +69,7 @@ const std::vector<Cantilever>& scoredCantilevers() {
   return list;
 }
 
-/// % of drop over reach.
+/// Limit of the error, % of drop over reach.
 double limitOf(const Cantilever& c) {
   const double limit = c.gamma <= 10 ? 0.2 : c.gamma <= 100 ? 0.6 : 1.5;
   const double edges = c.gamma <= 100 ? 32 : 64;
@@ -141,7 +141,7 @@ std::vector<Case> convergence(const Laboratory& laboratory) {
       errors.push_back(100 * (slopes[g * edges.size() + i] / truth - 1));
       note += fmt::format(" {:.4f} %", errors.back());
     }
-    // At 64 vertices rounding and time step weigh as much as the edges do.
+    // At 64 vertices the errors of rounding and time step are as large as that of the edges.
     const double slope = orderOf(std::span(edges).first(3), std::span(errors).first(3));
     Case order = atLeastCase({namesOfConvergence()[g], "order of convergence", ""}, slope, 2, 0.2);
     order.note = note;
@@ -150,7 +150,7 @@ std::vector<Case> convergence(const Laboratory& laboratory) {
   return cases;
 }
 
-// The middle is at a joint of an even number of edges; 0.45 is within an edge.
+// With an even number of edges 0.5 is at a joint; 0.45 is inside an edge.
 const std::vector<Cantilever>& steppedCantilevers() {
   static const std::vector<Cantilever> list = [] {
     std::vector<Cantilever> cantilevers;
@@ -210,7 +210,7 @@ Suite cantileverSuite(const CantileverNumbers& numbers) {
   const Cantilever cantilever{numbers.gamma, numbers.vertices};
   const std::string name = nameOf(cantilever);
   auto run = [=](const Laboratory& laboratory) {
-    constexpr double kDecay = 40;  // drag x time, after which nothing sways
+    constexpr double kDecay = 40;  // drag x time, after which oscillations have decayed
     const double settling = std::max(kSettlingTime, kDecay / numbers.damping);
     const double slope = restingSlopes(laboratory, {cantilever}, 1 / numbers.time_step,
                                        static_cast<float>(numbers.damping), settling)[0];

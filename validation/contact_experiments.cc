@@ -16,22 +16,22 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Steps as programs take them: 1/60 s, four substeps.
+// Steps as in the programs: 1/60 s, four substeps.
 Parameters frames(const Laboratory& laboratory, double air_drag) {
   Parameters parameters = laboratory.parameters(60, air_drag);
   parameters.substeps = 4;
   return parameters;
 }
 
-// How deep the surface of hair is below that of a shape, m: of vertices, and of points between them. Hair
-// that touches nothing is less than 0 deep.
+// Largest penetration of the hair's surface into a shape, m, at vertices and at points between them. Negative
+// for hair that does not touch.
 struct Depths {
   double vertices = -std::numeric_limits<double>::infinity(), segments = vertices;
 
   void see(std::span<const Vec3> strand, const MovingPrimitive& shape, std::span<const uint32_t> words,
            double hair_radius) {
     constexpr int kBetween = 7;
-    auto depth = [&](const Vec3& point) {  // a field has a distance even where there is no number
+    auto depth = [&](const Vec3& point) {  // NaN for NaN: a field returns a distance for it
       return point.allFinite() ? hair_radius - signedDistance(shape, point, words) : std::nan("");
     };
     for (size_t i = 1; i < strand.size(); ++i) {
@@ -43,7 +43,7 @@ struct Depths {
   }
 };
 
-// A shape, where its body stands at the end of a step.
+// A shape at the pose of its body at the end of a step.
 class SeenShape {
  public:
   explicit SeenShape(const ContactPrimitive& shape) : shape_(shape), data_(words_.add(shape)) {}
@@ -60,7 +60,7 @@ class SeenShape {
   uint32_t data_;
 };
 
-// Hair that is dropped: level strands with their roots above the shape, one alone and a tuft of 24.
+// Dropped hair: horizontal strands with their roots above the shape, one alone and a tuft of 24.
 std::vector<StrandPoints> droppedStrands(const Vec3& root) {
   std::vector<StrandPoints> strands;
   for (int s = 0; s < 25; ++s) {
@@ -90,7 +90,7 @@ ContactPrimitive turnedShape(PrimitiveKind kind, const Vec3& extent) {
   return shape;
 }
 
-// A truncated pyramid whose top hair lies on.
+// A truncated pyramid; the hair comes to lie on its top.
 ContactPrimitive pyramidShape() {
   TriangleMesh mesh;
   for (const float y : {-0.05f, 0.05f})
@@ -108,7 +108,7 @@ ContactPrimitive pyramidShape() {
   return shape;
 }
 
-// A mesh of 36,480 triangles in the shape of an ellipsoid, in a field with cells of 2 mm.
+// A mesh of 36,480 triangles with the shape of an ellipsoid, as a distance field with cells of 2 mm.
 ContactPrimitive meshShape() {
   constexpr uint32_t kRound = 192, kUp = 96;
   TriangleMesh mesh;
@@ -199,7 +199,7 @@ std::vector<Case> motionCases(const std::string& name, const Depths& depths) {
           absoluteCase({name + ": segments", "deepest between vertices", "mm"}, 1e3 * depths.segments, 0, 1)};
 }
 
-// The mesh rocks and slides under the hair that lies on it.
+// The mesh tilts and slides under hair that lies on it.
 std::vector<Case> rockingMesh(const Laboratory& laboratory) {
   constexpr double kFrequency = 2 * kPi, kLying = 1.5, kRocking = 3;  // rad/s, s
   constexpr double kTilt = 0.4, kWay = 0.05;                          // rad, m
@@ -222,7 +222,7 @@ std::vector<Case> rockingMesh(const Laboratory& laboratory) {
   return motionCases("mesh tilted and moved", depths);
 }
 
-// Hair that stands off a ball in all directions, with a kink in every joint, falls on it and on a capsule
+// Hair that stands out of a ball in all directions, kinked at every joint, falls on the ball and on a capsule
 // below it.
 constexpr const char* kKinkedPressed = "kinked, pressed by two bodies: speed";
 
@@ -247,11 +247,11 @@ std::vector<Case> kinkedPressed(const Laboratory& laboratory) {
                        1e3 * fastestOf(simulation), 0, 1)};
 }
 
-// Hair all over a ball of 0.1 m that is the head.
+// Hair on a spherical head of radius 0.1 m.
 StrandModel headOfHair() {
   std::vector<StrandPoints> strands;
   constexpr int kStrands = 200;
-  for (int s = 0; s < kStrands; ++s) {  // Fibonacci's spiral over the upper part
+  for (int s = 0; s < kStrands; ++s) {  // Fibonacci spiral over the upper part
     const double up = 1 - 1.2 * (s + 0.5) / kStrands, turn = s * kPi * (3 - std::sqrt(5));
     const double across = std::sqrt(1 - up * up);
     const Vec3 out = Eigen::Vector3d(across * std::cos(turn), up, across * std::sin(turn)).cast<float>();
@@ -261,7 +261,7 @@ StrandModel headOfHair() {
   return modelOf(strands);
 }
 
-// Accelerations of 10 g at 2 Hz, from rest.
+// Shakes the head with 10 g at 2 Hz, starting from rest.
 std::vector<Case> shakenHead(const Laboratory& laboratory) {
   constexpr double kFrequency = 2 * kPi * 2, kReach = 10 * kGravity / (kFrequency * kFrequency);
   constexpr double kSettling = 1.5, kShaking = 3;  // s
@@ -280,7 +280,7 @@ std::vector<Case> shakenHead(const Laboratory& laboratory) {
   return motionCases("head shaken by 10 g at 2 Hz", depths);
 }
 
-// A hand as thick as an arm goes through the hair at 1 m/s, 1 cm above the scalp, and back.
+// A capsule as thick as an arm goes through the hair at 1 m/s, 1 cm above the scalp, and back.
 std::vector<Case> sweptByHand(const Laboratory& laboratory) {
   constexpr double kSettling = 1.5, kWay = 0.4, kSpeed = 1;  // s, m, m/s
   constexpr float kHand = 0.04f;                             // m
@@ -304,7 +304,7 @@ std::vector<Case> sweptByHand(const Laboratory& laboratory) {
   return motionCases("hand through the hair at 1 m/s", depths);
 }
 
-// A ball comes over the roots within half a second, to half of it in the head, and stays.
+// A ball moves over the roots within half a second, until half of it is in the head, and stays.
 constexpr const char* kCovered = "roots covered by a ball: speed";
 
 std::vector<Case> coveredRoots(const Laboratory& laboratory) {
@@ -327,8 +327,8 @@ std::vector<Case> coveredRoots(const Laboratory& laboratory) {
                        1e3 * fastestOf(simulation), 0, 1)};
 }
 
-// A ball that overlaps the head by 5 mm goes along the scalp at 1 m/s, hair between them. Hair that a body
-// draws along itself in bights goes twice as fast, and its tips several times: with short steps up to 8 m/s.
+// A ball that overlaps the head by 5 mm moves along the scalp at 1 m/s, with hair in between. Loops of hair
+// that it drags move at twice its speed, and tips at several times: up to 8 m/s with short steps.
 constexpr const char* kRolled = "ball along the scalp at 1 m/s: fastest";
 
 std::vector<Case> rolledOver(const Laboratory& laboratory) {
@@ -355,7 +355,7 @@ std::vector<Case> rolledOver(const Laboratory& laboratory) {
   return {absoluteCase({kRolled, "largest speed of a vertex", "m/s"}, fastest, 0, 10)};
 }
 
-// Energy over reference mass, m^2/s^2: of motion, height and strain.
+// Kinetic, potential and elastic energy over reference mass, m^2/s^2.
 double energyOf(Simulation& simulation) {
   const StrandModel& model = simulation.model();
   const StrandState state = simulation.state();
@@ -380,8 +380,8 @@ std::vector<std::string> namesOfEnergy() {
   return caseNames("energy falling on a sphere, friction={:g}", kEnergyFrictions);
 }
 
-// What contact adds to the energy, in parts of all that is lost: every step is also done from the same state
-// without the sphere, and where the energy is higher with it, the difference counts.
+// Energy added by contact, as a fraction of the energy lost. Each step is repeated from the same state
+// without the sphere; the difference counts where the energy is higher with the sphere.
 std::vector<Case> energyOfFall(const Laboratory& laboratory) {
   constexpr double kFalling = 2;  // s
   std::vector<Case> cases;

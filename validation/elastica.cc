@@ -10,15 +10,15 @@
 namespace strandcast {
 namespace {
 
-// psi = angle of the tangent from the vertical: psi' = m / b and m' = (force + alpha) sin psi over the
-// distance u from the tip, m = moment, b = stiffness, force = weight beyond, all over what they are at the
-// clamp. Measured from the vertical, the tip of a heavy rod keeps its digits however close to hanging it is.
+// psi: angle of the tangent from the vertical. Over the distance u from the tip psi' = m / b, m' = (force +
+// alpha) sin psi, with moment m, stiffness b and force = weight beyond u, relative to their values at the
+// clamp. Measured from the vertical, the tip angle of a heavy rod keeps its relative precision near 0.
 using State = Eigen::Vector4d;  // psi, m, drop, reach
 
 State atClamp(double gamma, double alpha, const ElasticaStep& step, double tip_angle) {
   State y(tip_angle, 0, 0, 0);
   const double outer = 1 - step.place;
-  // force(u): the weight beyond, u on from `from`
+  // force(u): weight beyond; u is counted from `from`
   auto follow = [&](double from, double to, double stiffness, auto force) {
     const int steps = static_cast<int>(std::ceil(2000 * (to - from)));
     const double h = (to - from) / steps;

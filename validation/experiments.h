@@ -5,21 +5,21 @@
 
 namespace strandcast {
 
-/// What most experiments take.
-constexpr int kEdges = 32;            ///< of a strand
-constexpr double kHairLength = 0.25;  ///< m, of a long strand
+/// Defaults of most experiments.
+constexpr int kEdges = 32;            ///< edges of a strand
+constexpr double kHairLength = 0.25;  ///< m, length of a long strand
 constexpr double kRate = 360;         ///< time steps per second
 
-/// Each appends its experiments, in a file of its name.
+/// Each function appends its experiments; it is in the file of its name.
 void addCantileverExperiments(
     std::vector<Experiment>& experiments);  ///< heavy elastica over gamma, edges, time step
 void addRestExperiments(std::vector<Experiment>& experiments);       ///< tip loads, catenary, hung helix
 void addVibrationExperiments(std::vector<Experiment>& experiments);  ///< beam, chain, pendulum, damping
 void addBendTwistExperiments(
-    std::vector<Experiment>& experiments);  ///< leaving the plane; twist from root to tip
+    std::vector<Experiment>& experiments);  ///< bend-twist instability; twist from root to tip
 void addInvarianceExperiments(std::vector<Experiment>& experiments);  ///< time step, drag, order, units
 void addMotionExperiments(std::vector<Experiment>& experiments);      ///< a shaken root: stretch, tip error
-void addGuardExperiments(std::vector<Experiment>& experiments);       ///< abuse
+void addGuardExperiments(std::vector<Experiment>& experiments);       ///< robustness under extreme input
 void addAirExperiments(std::vector<Experiment>& experiments);         ///< the wind grid; a strand in the wind
 void addVolumeExperiments(std::vector<Experiment>& experiments);      ///< forces between hairs
 void addFrictionExperiments(std::vector<Experiment>& experiments);    ///< stick-slip, slope, capstan

@@ -13,13 +13,13 @@
 namespace strandcast {
 namespace {
 
-// Rates where forces are many times the weight of hair, and the tensions of such loads make strands tremble.
+// Step rates for forces of many times the weight of hair. At lower rates such tensions make strands vibrate.
 constexpr double kPressedRate =
-    1440;  // of stick-slip: at half of it rods that are pressed by a third slip 5 % too early
-constexpr double kTautRate = 720;  // of capstan
-constexpr double kRadius = 40e-6;  // m, of the hair
+    1440;  // for stick-slip; at half of it rods shortened by a third slip 5 % too early
+constexpr double kTautRate = 720;  // for capstan
+constexpr double kRadius = 40e-6;  // m, radius of the hair
 
-// Strands of one shape that differ in friction only, evenly by `step` from `low` on; the body has friction 1.
+// Strands of one shape with friction coefficients low, low + step, ...; the body has friction 1.
 struct Frictions {
   double low, step;
   int count;
@@ -31,8 +31,8 @@ StrandModel modelOfFrictions(const StrandPoints& points, const Material& materia
   return modelOf(std::vector<StrandPoints>(range.count, points), materials);
 }
 
-// The friction at which the strands change from those that `slip` to those that do not: the middle between
-// the stickiest that does and the least sticky that does not. Not a number where there is only one kind.
+// Friction at the transition from slipping to sticking: the mean of the largest friction that slips and the
+// smallest that sticks. NaN where all strands slip or all stick.
 template <class Slips>
 double threshold(const Frictions& range, const Slips& slips) {
   double slipping = -1, stuck = -1;
@@ -53,16 +53,16 @@ Parameters parametersWith(const Laboratory& laboratory, double air_drag, const V
   return parameters;
 }
 
-// Tips.
+// Stick-slip of tips.
 
 constexpr double kPressed[] = {0.02801, 0.06013, 0.10302, 0.21471, 0.33001};
 
 std::vector<std::string> namesOfStickSlip() { return caseNames("stick-slip shortening={:g}", kPressed); }
 
-// An upright rod on a plane, a little bent already and its tip below its clamp, is pressed down slowly: how
-// far tips have ever come from where they stood, in parts of the length, by friction.
+// Presses upright rods slowly against a plane, starting slightly bent with the tip below the clamp. Returns
+// the largest displacement of each tip so far, as a fraction of the length, by friction.
 std::vector<double> waysOfTips(const Laboratory& laboratory, double shortening, const Frictions& range) {
-  constexpr double kLength = 0.1, kFirst = 0.01, kSpeed = 0.005;  // m, part of it, m/s
+  constexpr double kLength = 0.1, kFirst = 0.01, kSpeed = 0.005;  // m, fraction, m/s
   constexpr double kResting = 1;                                  // s
   const float floor = static_cast<float>((kFirst - 1) * kLength - kRadius);
   Simulation simulation =
@@ -71,7 +71,7 @@ std::vector<double> waysOfTips(const Laboratory& laboratory, double shortening, 
                             parametersWith(laboratory, 5, Vec3::Zero(), kPressedRate));
   const PressedElastica first = pressedElastica(kFirst, kEdges);
   const std::vector<Vec2>& shape = first.shape;
-  const double unit = bendingOverMass(Material{}) * kEdges / std::pow(kLength, 3);  // m/s^2, of forces
+  const double unit = bendingOverMass(Material{}) * kEdges / std::pow(kLength, 3);  // m/s^2, unit of forces
   const Vec3 force = Eigen::Vector3d(first.side * unit, first.press * unit, 0).cast<float>();
   StrandState state = simulation.state();
   for (size_t v = 0; v < state.positions.size(); ++v) {
@@ -85,7 +85,7 @@ std::vector<double> waysOfTips(const Laboratory& laboratory, double shortening, 
   }
   simulation.backend().upload(state);
   const double duration = (shortening - kFirst) * kLength / kSpeed;
-  std::vector<double> farthest(range.count, 0.0);  // m, that tips have come from where they stood
+  std::vector<double> farthest(range.count, 0.0);  // m, largest displacement per tip
   laboratory.advance(
       simulation, 2 * duration + kResting,
       [&](double t) {
@@ -100,7 +100,7 @@ std::vector<double> waysOfTips(const Laboratory& laboratory, double shortening, 
   return farthest;
 }
 
-constexpr double kSlipped = 0.02;  // of the length, that a tip has come which slips
+constexpr double kSlipped = 0.02;  // fraction of the length: a tip displaced by more has slipped
 
 double slipThreshold(const Laboratory& laboratory, double shortening, double truth) {
   const Frictions range{0.88 * truth, 0.008 * truth, 31};
@@ -118,8 +118,8 @@ std::vector<Case> stickSlip(const Laboratory& laboratory) {
   return cases;
 }
 
-// With more friction than any press needs the tip stands until the rod's end lies on the plane, which is at
-// the last of kPressed.
+// This friction exceeds what any shortening needs, so the tip must stick until the rod's end lies on the
+// plane. That is at the last of kPressed.
 constexpr double kStickingFriction = 0.4;
 const std::string kSticking = "stick-slip friction=0.4";
 
@@ -138,8 +138,8 @@ std::vector<std::string> namesOfSlope(const char* what) {
   return caseNames(fmt::format("slope angle={{:g}} {}", what), kSlopes);
 }
 
-// A limp strand lies across a slope that falls towards X; its root keeps its place, and for a while the rest
-// knows nothing of that.
+// A limp strand lies across a slope that falls towards X. Its root is fixed, which does not affect the rest
+// of the strand for a while.
 Simulation strandsOnSlope(const Laboratory& laboratory, double angle, const Frictions& range) {
   Material limp;
   limp.youngs_modulus = 1e3f;
@@ -174,7 +174,7 @@ std::vector<Case> slopeThreshold(const Laboratory& laboratory) {
 std::vector<Case> slopeSliding(const Laboratory& laboratory) {
   std::vector<Case> cases;
   for (size_t i = 0; i < std::size(kSlopes); ++i) {
-    constexpr double kFirst = 0.01, kWay = 0.005;  // s, m: how far it may slide at most
+    constexpr double kFirst = 0.01, kWay = 0.005;  // s; m, largest displacement
     const double angle = kSlopes[i] * std::numbers::pi / 180;
     const double friction = std::tan(angle) / 2;
     const double truth = kGravity * (std::sin(angle) - friction * std::cos(angle));
@@ -182,7 +182,7 @@ std::vector<Case> slopeSliding(const Laboratory& laboratory) {
     laboratory.advance(simulation, kFirst);
     const double t0 = simulation.time(), x0 = slid(simulation, 0);
     laboratory.advance(simulation, std::sqrt(2 * kWay / truth) - kFirst);
-    // A substep moves by the velocity at its end, so half a substep is to be added to its time.
+    // A substep moves by the velocity at its end, so its time is half a substep later.
     const double half = 0.5 / kRate, t1 = simulation.time(), x1 = slid(simulation, 0);
     const double measured = 2 * (x1 - x0) / ((t1 + half) * (t1 + half) - (t0 + half) * (t0 + half));
     cases.push_back(
@@ -191,8 +191,7 @@ std::vector<Case> slopeSliding(const Laboratory& laboratory) {
   return cases;
 }
 
-// Real hair, bent over the slope, with 5 % more friction than it needs: how far it creeps once it has
-// settled.
+// A strand across the slope with 5 % more friction than needed: its creep after it has settled.
 std::vector<Case> slopeCreep(const Laboratory& laboratory) {
   std::vector<Case> cases;
   for (size_t i = 0; i < std::size(kSlopes); ++i) {
@@ -217,9 +216,9 @@ constexpr double kCapstanFrictions[] = {0.1, 0.3, 0.6};
 
 std::vector<std::string> namesOfCapstan() { return caseNames("capstan friction={:g}", kCapstanFrictions); }
 
-// Tension at the upper end of a heavy string that slides over a quarter of a cylinder from its side to its
-// top, over that at the lower end: dT/dphi = friction (T + w r sin phi) + w r cos phi, phi from the side.
-// `weight` = w r over the lower tension. Without weight it is exp(friction pi / 2).
+// Ratio of the tensions at the upper and the lower end of a heavy string that slides over a quarter of a
+// cylinder, from its side to its top: dT/dphi = friction (T + w r sin phi) + w r cos phi, phi from the side.
+// `weight`: w r over the lower tension. Without weight the ratio is exp(friction pi / 2).
 double capstanRatio(double friction, double weight) {
   constexpr int kSteps = 1000;
   constexpr double kQuarter = std::numbers::pi / 2;
@@ -231,11 +230,11 @@ double capstanRatio(double friction, double weight) {
   return tension;
 }
 
-// A limp strand over a level cylinder, its root pulled away level, a load on its tip.
+// A limp strand over a horizontal cylinder. The root is pulled horizontally; the tip carries a load.
 std::vector<Case> capstan(const Laboratory& laboratory) {
   constexpr double kCylinder = 0.04, kHanging = 0.1, kLevel = 0.06;  // m
   constexpr double kSpeed = 0.02, kPulling = 2;                      // m/s, s
-  constexpr double kLoad = 5;                                        // weights of the strand
+  constexpr double kLoad = 5;                                        // load over the weight of the strand
   const double arc = kCylinder * std::numbers::pi / 2, length = kLevel + arc + kHanging;
   const double out = kCylinder + kRadius;
   StrandPoints points;
@@ -272,10 +271,10 @@ std::vector<Case> capstan(const Laboratory& laboratory) {
   std::vector<Case> cases;
   for (size_t s = 0; s < materials.size(); ++s) {
     const std::span<const float> tensions(state.tensions.data() + simulation.model().offsets[s], kEdges);
-    // The part that hangs when the pulling ends is part of the load.
+    // The part that still hangs at the end of the pull counts as load.
     const double lower = kLoad + (kHanging - kSpeed * kPulling) / length;
     const double truth = capstanRatio(kCapstanFrictions[s], out / length / lower);
-    const double load = kLoad * kEdges * kGravity;  // per reference mass
+    const double load = kLoad * kEdges * kGravity;  // over reference mass
     cases.push_back(relativeCase({namesOfCapstan()[s], "tension at the root over load", ""},
                                  tensions.front() / (load * lower / kLoad), truth, 3));
   }

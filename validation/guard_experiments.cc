@@ -16,11 +16,11 @@ namespace {
 
 constexpr float kDrag = 5;
 
-// What may be done to hair at rest.
+// An abuse of hair at rest; calls `look` after every step.
 using Abuse = std::function<void(const Laboratory&, Simulation&, const std::function<void()>& look)>;
 
-// Strands settle, are abused, and settle again: whether every number stays finite all the while, and how far
-// the tips are from where they were, mm, at most over the last second.
+// Strands settle, are abused and settle again. Cases: numbers that are not finite at any step, and the
+// largest distance of the tips from their first rest position over the last second, mm.
 std::vector<Case> survive(const Laboratory& laboratory, const std::string& name, const Material& material,
                           const Parameters& parameters, const Abuse& abuse) {
   constexpr double kSettling = 6, kWatching = 1;  // s
@@ -146,7 +146,8 @@ std::vector<Case> coincident(const Laboratory& laboratory) {
                  });
 }
 
-// Strands of any length, shape and stiffness that the float form is made for: every second a helix.
+// Random lengths, shapes and stiffnesses within the range of the float solver; every second strand is a
+// helix.
 struct MixedHair {
   std::vector<StrandPoints> strands;
   std::vector<Material> materials;
@@ -179,7 +180,7 @@ MixedHair mixedHair(size_t count) {
   return hair;
 }
 
-// What is thrown about must come to rest: no strand may live on energy that the solver makes.
+// Hair that was shaken and carried must come to rest: the solver must not feed energy into a strand.
 constexpr const char* kThrown = "thrown about: at rest";
 
 std::vector<Case> thrown(const Laboratory& laboratory) {
@@ -204,7 +205,7 @@ std::vector<Case> thrown(const Laboratory& laboratory) {
   return {absoluteCase({kThrown, "strands of 100 faster than 10 mm/s", ""}, moving, 0, 1)};
 }
 
-// Hair with a kink in every joint, of many short edges: kappa 330 to 1600.
+// Hair of many short edges with a kink at every joint; stiffness ratio kappa 330 to 1600.
 constexpr const char *kKinked = "kinked: at rest", *kKinkedBesideABall = "kinked: at rest beside a ball";
 
 std::vector<Case> kinked(const Laboratory& laboratory, const char* name,
@@ -228,8 +229,8 @@ std::vector<Case> kinked(const Laboratory& laboratory, const char* name,
   return {absoluteCase({name, "strands of 8 faster than 20 mm/s", ""}, moving, 0, 0)};
 }
 
-// Hair of 24 to 48 edges that turns by 7 to 30 degrees at each. In the metrics of smooth hair its lengths fed
-// it small waves for ever.
+// Hair of 24 to 48 edges with turns of 7 to 30 degrees at each joint. In the metric for smooth hair its
+// length constraints drove an undamped small oscillation.
 constexpr const char* kKinkedFromEdgeToEdge = "kinked from edge to edge: speed";
 
 std::vector<Case> kinkedFromEdgeToEdge(const Laboratory& laboratory) {
@@ -248,8 +249,7 @@ std::vector<Case> kinkedFromEdgeToEdge(const Laboratory& laboratory) {
                        1e3 * fastestOf(simulation), 0, 5)};
 }
 
-// A strand with one edge that is short beside the others. Where that had a time blend of its own it fed
-// energy.
+// A strand with one edge much shorter than the others. A separate time blend for that edge added energy.
 constexpr const char* kCutUnevenly = "cut unevenly: speed";
 
 std::vector<Case> cutUnevenly(const Laboratory& laboratory) {
@@ -258,7 +258,8 @@ std::vector<Case> cutUnevenly(const Laboratory& laboratory) {
   std::mt19937 random(7);
   std::vector<StrandPoints> strands;
   for (int s = 0; s < kStrands; ++s) {
-    const float part = 0.12f + 0.01f * static_cast<float>(s);  // of the other edges
+    const float part =
+        0.12f + 0.01f * static_cast<float>(s);  // length of the short edge over that of the others
     const float length = s % 2 == 0 ? 0.1f : 0.25f, edge = length / (static_cast<float>(kEdges) + part);
     const int short_one = static_cast<int>(random() % static_cast<unsigned>(kEdges + 1));
     StrandPoints points{Vec3::Zero()};
@@ -272,7 +273,7 @@ std::vector<Case> cutUnevenly(const Laboratory& laboratory) {
                        1e3 * fastestOf(simulation), 0, 1)};
 }
 
-// Wind that pulls at hair as gravity would, 30 times as hard as that of the Earth.
+// Wind whose drag on hair at rest is 30 times its weight; compared with gravity of the same strength.
 constexpr const char *kStrongWind = "strong wind: speed", *kStrongWindTension = "strong wind: tension";
 
 std::vector<Case> strongWind(const Laboratory& laboratory) {
@@ -294,8 +295,8 @@ std::vector<Case> strongWind(const Laboratory& laboratory) {
                        tension, truth, 0.1)};
 }
 
-// Hair of 25 cm fastened at both ends, as a braid's or a bun's: flat arches that are longer than the way
-// between their ends by the part `slack` of their length, level and not.
+// Hair of 25 cm pinned at both ends, as in a braid or a bun: flat arches, horizontal and inclined. The length
+// exceeds the distance of the ends by the fraction `slack` of the length.
 StrandModel hairBetweenPins(int strands, double slack) {
   constexpr int kManyEdges = 60;
   constexpr float kLength = 0.25f;  // m
@@ -322,7 +323,7 @@ StrandModel hairBetweenPins(int strands, double slack) {
   return model;
 }
 
-// Let go where it hangs, with no slack at all, nearly none, and a little: it is to rest.
+// Released in place with no slack, nearly none and a little: it must come to rest.
 constexpr double kSlacks[] = {0, 3e-5, 1e-3};
 
 std::vector<std::string> namesOfSlack() { return caseNames("between pins, slack={:g}: at rest", kSlacks); }
@@ -341,7 +342,7 @@ std::vector<Case> nearlyTaut(const Laboratory& laboratory) {
   return cases;
 }
 
-// A quick turn of the head must not leave such hair crumpled that is nearly taut.
+// A quick turn of the head must not leave nearly taut hair crumpled.
 constexpr const char *kTautStretch = "taut between pins, shaken: stretch",
                      *kTautRest = "taut between pins: at rest";
 
@@ -372,7 +373,7 @@ std::vector<Case> tautBetweenPins(const Laboratory& laboratory) {
           absoluteCase({kTautRest, "strands of 16 faster than 5 mm/s after 4 s", ""}, moving, 0, 0)};
 }
 
-// A stage is no laboratory: a float of the world tells 0.06 mm there.
+// Far from the world's origin: the spacing of floats is 0.06 mm there.
 constexpr const char *kFarStretch = "1 km from the origin: stretch",
                      *kFarSpeed = "1 km from the origin: speed";
 
@@ -396,8 +397,8 @@ std::vector<Case> farAway(const Laboratory& laboratory) {
                        1e3 * fastestOf(simulation), 0, 1)};
 }
 
-// What is no number must not get in: two simulations do the same, one is told such things, and what differs
-// afterwards is counted, with what was taken and not refused.
+// Input that is not finite must be refused. Two equal simulations run, one of which gets such input. Counted
+// are inputs that were accepted and vertices whose motion differs.
 constexpr const char* kRefused = "input that is not finite: refused";
 
 std::vector<Case> refused(const Laboratory& laboratory) {
@@ -446,7 +447,7 @@ std::vector<Case> refused(const Laboratory& laboratory) {
   return {absoluteCase({kRefused, "inputs of 7 taken, vertices that move otherwise", ""}, wrong, 0, 0)};
 }
 
-// One strand is given places that are no numbers, another is put far away; the third is to be left alone.
+// One strand gets NaN positions, another is moved far away; the third must not be affected.
 constexpr const char *kResetCount = "strands that went wrong: counted",
                      *kResetPlace = "strands that went wrong: at the rest shape",
                      *kResetOthers = "strands that went wrong: others";

@@ -9,8 +9,8 @@
 namespace strandcast {
 namespace {
 
-// Over the distance u from the tip: y, and tension x y'. Mass per length tip + (1 - tip) u, over that at the
-// clamp; tension is the weight beyond.
+// State over the distance u from the tip: y, and tension x y'. The mass per length, relative to that at the
+// clamp, is tip + (1 - tip) u; the tension is the weight beyond.
 Eigen::Vector2d followed(double tip, double square, double from_tip) {
   Eigen::Vector2d at(1, 0);
   const int steps = static_cast<int>(std::ceil(4000 * from_tip));
@@ -36,7 +36,7 @@ double chainShape(int n, double s) {
 }
 
 UnevenChain::UnevenChain(int n, double tip) : tip_(tip) {
-  constexpr double kApart = 0.02;  // of frequencies; modes are farther apart
+  constexpr double kApart = 0.02;  // bracket of frequencies; modes are farther apart
   auto at_clamp = [&](double frequency) { return followed(tip, frequency * frequency, 1)[0]; };
   double high = 0;
   for (int mode = 0; mode < n; ++mode) {

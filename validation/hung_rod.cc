@@ -11,7 +11,7 @@ namespace strandcast {
 namespace {
 
 using Eigen::Vector3d;
-// Moment M, direction of gravity G, both in the material frame, and the depth passed since the tip.
+// State: moment M and direction of gravity G in the material frame, and the depth above the tip.
 using State = Eigen::Matrix<double, 7, 1>;
 
 constexpr int kSteps = 600;
@@ -21,9 +21,9 @@ Vector3d darboux(const HungRod& rod, const Vector3d& moment) {
   return {moment.x(), rod.curvature + moment.y(), rod.torsion + moment.z() / rod.twist_ratio};
 }
 
-// From the tip, free of moment and with gravity along `down` in its material frame, to the root. Over the
-// distance u from the tip: M' = e3 x F - M x W, G' = W x G with the force F = gamma u G and the Darboux
-// vector W.
+// Integrates from the tip, where the moment is 0 and gravity is `down` in the material frame, to the root.
+// Over the distance u from the tip: M' = e3 x F - M x W, G' = W x G, with the force F = gamma u G and the
+// Darboux vector W.
 State atRoot(const HungRod& rod, const Vector3d& down) {
   State y;
   y << Vector3d::Zero(), down, 0;
@@ -37,16 +37,16 @@ State atRoot(const HungRod& rod, const Vector3d& down) {
   return y;
 }
 
-// Gravity's direction at the tip as it is at rest without weight.
+// Direction of gravity at the tip of the weightless rod.
 Vector3d tipAtNoWeight(const HungRod& rod) {
   const Vector3d w = darboux(rod, Vector3d::Zero());
   if (w.norm() == 0) return rod.down;
   return Eigen::AngleAxisd(-w.norm(), w.normalized()) * rod.down;
 }
 
-// Newton's method on the direction of gravity at the tip, so that it is `rod.down` at the root.
+// Newton's method for the direction of gravity at the tip that gives `rod.down` at the root.
 Vector3d solveTip(const HungRod& rod, Vector3d tip) {
-  constexpr double kSmall = 1e-5;  // rad, of central differences
+  constexpr double kSmall = 1e-5;  // rad, step of central differences
   auto root = [&](const Vector3d& at_tip) -> Vector3d {
     return atRoot(rod, at_tip.normalized()).segment<3>(3);
   };
@@ -63,9 +63,10 @@ Vector3d solveTip(const HungRod& rod, Vector3d tip) {
   return tip;
 }
 
-// Gravity at the tip of a rod that is curved in the plane of its first and third axis and clamped with its
-// root downwards: the stable planar shape hangs straight but for a hook at the tip. Its angle from the
-// vertical falls from the tip on, and where it comes to zero before the root the hook was too little open.
+// Direction of gravity at the tip of a rod that is curved in the plane of its first and third axis and
+// clamped with the root downwards. The stable planar shape hangs straight except for a hook at the tip. The
+// angle from the vertical decreases from the tip to the root; where it reaches zero before the root, the
+// assumed tip angle was too small.
 Vector3d planarTip(const HungRod& rod) {
   double low = 0, high = 3;
   for (int i = 0; i < 60; ++i) {
@@ -103,11 +104,11 @@ double bendTwistThreshold(double phi, double twist_ratio) {
   rod.twist_ratio = twist_ratio;
   auto staysPlanar = [&](double gamma) {
     rod.gamma = gamma;
-    // All that points out of the plane is exactly zero for the planar shape, so a tiny push keeps its digits.
+    // Out-of-plane components of the planar shape are exactly 0, so a tiny perturbation keeps full precision.
     constexpr double kPush = 1e-13;
     return atRoot(rod, planarTip(rod) + Vector3d(0, kPush, 0))[4] > 0;
   };
-  double high = 0.25 * phi * phi * phi + 20;  // more than at any threshold of a rod that is not short
+  double high = 0.25 * phi * phi * phi + 20;  // above the threshold of any rod that is not short
   while (staysPlanar(high)) high *= 0.97;
   double low = high;
   high /= 0.97;

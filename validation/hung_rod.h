@@ -3,24 +3,25 @@
 
 namespace strandcast {
 
-/// A Kirchhoff rod of round section, clamped at its root, under its own weight. Lengths in units of its
-/// length L.
+/// A Kirchhoff rod of round cross section, clamped at its root, under its own weight. Lengths are in units of
+/// its length L.
 struct HungRod {
   double gamma = 0;               ///< w L^3 / B
-  double curvature = 0;           ///< natural, x L, about the material's second axis
-  double torsion = 0;             ///< natural, x L
+  double curvature = 0;           ///< natural curvature x L, about the second material axis
+  double torsion = 0;             ///< natural torsion x L
   double twist_ratio = 1 / 1.45;  ///< C / B = 1 / (1 + Poisson's ratio)
-  Eigen::Vector3d down =
-      Eigen::Vector3d(0, 0, 1);  ///< of gravity, in the root's material frame; z is its tangent
+  Eigen::Vector3d down = Eigen::Vector3d(
+      0, 0, 1);  ///< direction of gravity in the root's material frame, whose z axis is the tangent
 };
 
-/// How far the tip hangs below the root at rest, in units of L. Shooting from the tip, followed from no
-/// weight on; not a number where that leads to no shape.
+/// Depth of the tip below the root at rest, in units of L. Solved by shooting from the tip, with continuation
+/// from weight 0; NaN where no shape is found.
 double hangingDepth(const HungRod& rod);
 
 /// The gamma below which a naturally curved rod of curvature x length `phi`, clamped with its root downwards,
-/// leaves its plane (Miller et al. 2014): there the planar rest shape has a neighbour out of the plane. `phi`
-/// from 6 to 16, else not a number: in longer rods rounding drowns what the root feels of the tip.
+/// leaves its plane (Miller et al. 2014). At that gamma the planar rest shape has an adjacent equilibrium out
+/// of the plane. NaN unless `phi` is from 6 to 16: in longer rods the influence of the tip on the root is
+/// below rounding.
 double bendTwistThreshold(double phi, double twist_ratio);
 
 }  // namespace strandcast

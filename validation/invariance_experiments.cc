@@ -18,14 +18,14 @@ std::vector<StrandPoints> strands(float scale) {
   return list;
 }
 
-// The largest distance between vertices, % of the strand's length.
+// Largest distance between corresponding vertices, % of the strand's length.
 double difference(std::span<const Vec3> a, std::span<const Vec3> b) {
   double largest = 0;
   for (size_t v = 0; v < a.size(); ++v) largest = worse(largest, (a[v] - b[v]).cast<double>().norm());
   return 100 * largest / arcLength(a);
 }
 
-using Shapes = std::vector<std::vector<Vec3>>;  // of each strand
+using Shapes = std::vector<std::vector<Vec3>>;  // positions per strand
 
 Shapes shapesOf(Simulation& simulation) {
   Shapes shapes;
@@ -137,8 +137,8 @@ std::vector<Case> order(const Laboratory& laboratory) {
                        difference(shapes[0], shapes[1]), 0, 0)};
 }
 
-// With every length larger by a power of two, gravity too, and E / rho by its square, the motion is the same
-// to the last bit, unless some constant of the solver is a length.
+// Lengths and gravity are scaled by a power of two and E / rho by its square. The motion is then equal to the
+// last bit, unless some constant of the solver is a length.
 std::vector<Case> units(const Laboratory& laboratory) {
   std::vector<Shapes> shapes;
   for (const float scale : {1.0f, 128.0f}) {

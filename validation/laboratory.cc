@@ -20,25 +20,25 @@ Simulation Laboratory::simulation(StrandModel model, const Parameters& parameter
 Simulation Laboratory::simulation(StrandModel model, std::vector<RigidBody> bodies,
                                   const Parameters& parameters, std::vector<WindSource> sources) const {
   std::unique_ptr<Backend> backend = backend_();
-  std::unique_ptr<Surroundings> surroundings;
-  if (needsSurroundings(parameters) || !sources.empty())
-    surroundings = air_(backend->name()).surroundings(std::move(sources));
+  std::unique_ptr<ExternalForces> air_system;
+  if (needsExternalForces(parameters) || !sources.empty())
+    air_system = air_(backend->name()).make(std::move(sources));
   return Simulation(std::move(model), std::move(bodies), parameters, std::move(backend),
-                    std::move(surroundings));
+                    std::move(air_system));
 }
 
 std::vector<Vec3> Laboratory::accelerations(const StrandModel& model, const StrandState& state,
                                             const Parameters& parameters) const {
   const std::unique_ptr<Backend> backend = backend_();
-  const std::unique_ptr<Surroundings> surroundings = air_(backend->name()).surroundings({});
+  const std::unique_ptr<ExternalForces> air_system = air_(backend->name()).make({});
   backend->load(model, state);
-  surroundings->configure(model, parameters, *backend);
+  air_system->configure(model, parameters, *backend);
   StepInput input;
   input.parameters = &parameters;
-  surroundings->step(input, *backend);
-  const std::span<const Vec3> out = surroundings->accelerations(), places = backend->guides();
+  air_system->step(input, *backend);
+  const std::span<const Vec3> out = air_system->accelerations(), places = backend->guides();
   std::vector<Vec3> accelerations(out.begin(), out.end());
-  for (size_t v = 0; v < accelerations.size(); ++v)  // air leaves a strand that went wrong alone
+  for (size_t v = 0; v < accelerations.size(); ++v)  // the air system skips a strand that diverged
     if (!places[v].allFinite()) accelerations[v] = places[v];
   return accelerations;
 }

@@ -8,38 +8,38 @@
 
 namespace strandcast {
 
-/// What experiments are run with: the backend and the solver under test.
+/// Environment of experiments: the backend and the solver under test.
 class Laboratory {
  public:
-  /// How the backend of that name does the work of air.
+  /// Returns the air maker of the backend with this name.
   using Air = std::function<AirMaker(const std::string& backend)>;
-  /// `backend` makes a backend for each simulation. `stopped` is asked at every step; where it says yes, the
-  /// experiment is given up.
+  /// `backend` makes a backend for each simulation. `stopped` is called at every step; the experiment is
+  /// aborted when it returns true.
   Laboratory(
       std::function<std::unique_ptr<Backend>()> backend, SolverKind solver,
       std::function<bool()> stopped = [] { return false; },
       Air air = [](const std::string& name) { return cpuAir(name); })
       : backend_(std::move(backend)), solver_(solver), stopped_(std::move(stopped)), air_(std::move(air)) {}
 
-  /// One substep per step, `rate` steps per second.
+  /// Parameters with one substep per step and `rate` steps per second; air_drag: 1/s.
   Parameters parameters(double rate, float air_drag) const;
-  /// With surroundings where the parameters or sources of wind ask for them.
+  /// Makes a simulation, with an air system where parameters or wind sources need one.
   Simulation simulation(StrandModel model, const Parameters& parameters) const;
   Simulation simulation(StrandModel model, std::vector<RigidBody> bodies, const Parameters& parameters,
                         std::vector<WindSource> sources = {}) const;
-  /// What the surroundings alone, made anew, give every vertex of hair in this state, m/s^2.
+  /// Accelerations of all vertices, m/s^2, that a new air system gives to hair in this state.
   std::vector<Vec3> accelerations(const StrandModel& model, const StrandState& state,
                                   const Parameters& parameters) const;
-  /// Of the backend under test.
+  /// Air maker of the backend under test.
   AirMaker air() const { return air_(backend_()->name()); }
-  /// Throws Stopped where the experiment is to be given up.
+  /// Throws Stopped when the experiment is to be aborted.
   void checkStopped() const {
     if (stopped_()) throw Stopped();
   }
 
-  /// Steps until `seconds` more have passed; `after_step` may look at the simulation. Throws Stopped.
+  /// Steps for `seconds`; calls `after_step` after each step. Throws Stopped.
   void advance(Simulation& simulation, double seconds, const std::function<void()>& after_step = {}) const;
-  /// The same under a motion of the head, given over the simulation's time.
+  /// The same with a motion of the head, a function of the simulation's time in s.
   void advance(Simulation& simulation, double seconds, const std::function<Pose(double)>& motion,
                const std::function<void()>& after_step) const;
 
@@ -52,16 +52,16 @@ class Laboratory {
   Air air_;
 };
 
-/// The newest positions of strand s.
+/// Current positions of strand s, m.
 std::span<const Vec3> strandOf(Simulation& simulation, size_t s);
-/// The last of them.
+/// Current position of the tip of strand s, m.
 Vec3 tipOf(Simulation& simulation, size_t s);
-/// Of the edge that is stretched most now, %; not a number where a vertex has none.
+/// Largest stretch of an edge now, %; NaN where a position is NaN.
 double stretchOf(Simulation& simulation);
-/// Root mean square of speeds, m/s; of strand s, over its vertices.
+/// Root mean square of speeds, m/s; the second form of the vertices of strand s.
 double rmsSpeedOf(std::span<const Vec3> velocities);
 double rmsSpeedOf(const StrandModel& model, const StrandState& state, size_t s);
-/// The largest of all strands now.
+/// Largest rmsSpeedOf() of all strands now, m/s.
 double fastestOf(Simulation& simulation);
 
 }  // namespace strandcast

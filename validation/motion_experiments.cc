@@ -22,7 +22,7 @@ std::vector<Case> stretch(const Laboratory& laboratory) {
     return [&] { largest = worse(largest, stretchOf(simulation)); };
   };
   laboratory.advance(simulation, 0.5, keepLargest(resting));
-  // 5 Hz: 0.0994 m is an amplitude of 10 g.
+  // At 5 Hz an amplitude of 0.0994 m is 10 g.
   const double reach = 10 * kGravity / std::pow(2 * std::numbers::pi * 5, 2);
   const double start = simulation.time();
   laboratory.advance(
@@ -37,7 +37,7 @@ std::vector<Case> stretch(const Laboratory& laboratory) {
           absoluteCase({"stretch under turns of 45 degrees", "largest stretch", "%"}, turning, 0, 1e-2)};
 }
 
-// Paths of the tips at kRate, sampled there whatever the time step.
+// Paths of the tips, sampled at kRate with any time step.
 std::vector<std::vector<Vec3>> tipPaths(const Laboratory& laboratory, int steps_per_sample) {
   Simulation simulation =
       laboratory.simulation(modelOf(straightAndCurl()), laboratory.parameters(kRate * steps_per_sample, 2));

@@ -19,7 +19,7 @@ namespace f64 = kernels::f64;
 
 constexpr int kMaxIterations = 60;
 constexpr int kMaxHalvings = 30;
-// Of the largest residual, relative to lengths and stiffnesses: a few roundings of the largest terms.
+// Tolerance of the residual, relative to lengths and stiffnesses: a few roundings of the largest terms.
 constexpr double kTolerance = 1e-11;
 
 Quaterniond rotationOf(const Vector3d& turn) {
@@ -72,9 +72,8 @@ void NewtonRod::step(const Pose& root_begin, const Pose& root_end) {
   }
 }
 
-// Backward differences: v = (a0 x + a1 x_before + a2 x_before2) / h and the acceleration from v in the same
-// way, of the second order (3/2, -2, 1/2) when there is a past and of the first (1, -1, 0) when there is
-// none.
+// Backward differences: v = (a0 x + a1 x_before + a2 x_before2) / h, and the acceleration from v likewise.
+// Second order (3/2, -2, 1/2) with history, first order (1, -1, 0) without.
 void NewtonRod::substep(const Vector3& root, const Quaterniond& root_frame) {
   const double h = static_cast<double>(parameters_.time_step) / parameters_.substeps;
   const double a0 = has_history_ ? 1.5 : 1, a1 = has_history_ ? -2 : -1, a2 = has_history_ ? 0.5 : 0;
@@ -84,7 +83,7 @@ void NewtonRod::substep(const Vector3& root, const Quaterniond& root_frame) {
     position_before_ = position_;
     velocity_before_ = velocity_;
   }
-  const double scale = a0 * (a0 + drag * h);  // of x / h^2 in the acceleration with drag
+  const double scale = a0 * (a0 + drag * h);  // factor of x / h^2 in acceleration plus drag
   root_frame_ = root_frame;
   inertial_[0] = root;
   mobility_[0] = 0;
@@ -149,7 +148,8 @@ Eigen::Vector3d NewtonRod::moment(const Unknowns& at, size_t j) const {
       f64::jointMoment(toLanes(inner), toLanes(u), toLanes(u - rest_strain_[j]), bend_[j], twist_[j]));
 }
 
-// Derivatives of moment(j) to rotations (world, left) of the inner and the outer frame.
+// Derivatives of moment(j) with respect to rotations (world frame, from the left) of the inner and the outer
+// frame.
 void NewtonRod::momentDerivatives(const Unknowns& at, size_t j, Matrix3& to_inner, Matrix3& to_outer) const {
   const Quaterniond& inner = j > 0 ? at.frame[j - 1] : root_frame_;
   const Vector3 u = strainOfJoint(inner, at.frame[j]);
@@ -161,8 +161,8 @@ void NewtonRod::momentDerivatives(const Unknowns& at, size_t j, Matrix3& to_inne
   to_inner = -to_outer - crossMatrix(a * (c + 0.5 * u.cross(c)));
 }
 
-// Per edge: the moments on it, and what its two vertices are apart beyond its own vector. Returns the largest
-// entry, the first part relative to the stiffest joint, the second to the edge's length.
+// Residual per edge: the sum of moments, and the difference of its end positions less the edge vector.
+// Returns the largest entry, moments relative to the stiffest joint, lengths relative to the edge.
 double NewtonRod::residual(const Unknowns& at, std::vector<Vector6>& r) const {
   const size_t edges = length_.size();
   r.resize(edges);
@@ -190,7 +190,7 @@ void NewtonRod::newtonStep(const Unknowns& at, const std::vector<Vector6>& r,
                            std::vector<Vector6>& step) const {
   const size_t edges = length_.size();
   step.resize(edges);
-  std::vector<Matrix6> factor(edges);  // of the next edge's unknowns
+  std::vector<Matrix6> factor(edges);  // factor of the next edge's unknowns
   Matrix3 inner, outer, inner_next = Matrix3::Zero(), outer_next = Matrix3::Zero();
   momentDerivatives(at, 0, inner, outer);
   for (size_t e = 0; e < edges; ++e) {

@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-// The largest |sample| in (first, last), on the parabola through it and its neighbours.
+// Largest |sample| in (first, last), refined by the parabola through it and its neighbours.
 double peak(std::span<const double> samples, size_t first, size_t last) {
   size_t at = first;
   for (size_t i = first; i < last; ++i)
@@ -27,7 +27,7 @@ double Oscillation::dampingRatio() const { return decrement / std::hypot(2 * std
 double Oscillation::energyLostPerCycle() const { return 1 - std::exp(-2 * decrement); }
 
 Oscillation oscillationOf(std::span<const double> samples, double interval) {
-  std::vector<double> crossings;  // in intervals
+  std::vector<double> crossings;  // in units of the interval
   for (size_t i = 1; i + 1 < samples.size(); ++i)
     if (samples[i] * samples[i + 1] < 0)
       crossings.push_back(static_cast<double>(i) + samples[i] / (samples[i] - samples[i + 1]));

@@ -3,16 +3,16 @@
 
 namespace strandcast {
 
-/// A decaying swing about zero.
+/// A damped oscillation about zero.
 struct Oscillation {
-  double angular_frequency = 0;  ///< rad/s, from the first to the last passage through zero
-  double decrement = 0;          ///< natural logarithm of the ratio of amplitudes one cycle apart
+  double angular_frequency = 0;  ///< rad/s, from the first to the last zero crossing
+  double decrement = 0;          ///< logarithmic decrement: ln of the ratio of successive amplitudes
 
   double dampingRatio() const;
-  double energyLostPerCycle() const;  ///< part of it, 0 to 1
+  double energyLostPerCycle() const;  ///< fraction, 0 to 1
 };
 
-/// `samples` at equal intervals, s; at least three passages through zero, else all is not a number.
+/// Fits `samples` at equal intervals (s). All results are NaN with fewer than three zero crossings.
 Oscillation oscillationOf(std::span<const double> samples, double interval);
 
 }  // namespace strandcast

@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-using State = Eigen::Vector4d;  // angle from the vertical, its slope, way sideways, way down
+using State = Eigen::Vector4d;  // angle from the vertical, its derivative, position sideways, position down
 
 // theta'' = -N sin theta - T cos theta over the length from the clamp. `forces`: theta'(0), N, T.
 State alongRod(const Eigen::Vector3d& forces, double length) {
@@ -31,10 +31,10 @@ Eigen::Vector3d missed(const Eigen::Vector3d& forces, double height) {
 }  // namespace
 
 PressedElastica pressedElastica(double shortening, int edges) {
-  // The first buckling mode of a clamped-hinged column, tan k = k, is where every such shape begins.
+  // Start of the continuation: the first buckling mode of a clamped-hinged column, tan k = k.
   constexpr double kBuckling = 4.493409457909064, kStep = 0.0025;
   const double first = std::min(shortening, kStep);
-  const double size = 2 * std::sqrt(first);  // of the angle, near enough to start from
+  const double size = 2 * std::sqrt(first);  // amplitude of the angle, a sufficient first guess
   Eigen::Vector3d forces(size * kBuckling, kBuckling * kBuckling, -size * kBuckling);
   for (double at = first;; at = std::min(at + kStep, shortening)) {
     for (int iteration = 0;; ++iteration) {

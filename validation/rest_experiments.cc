@@ -20,8 +20,8 @@ constexpr double kTipToStrand = 5;          // weight of the load over that of t
 
 std::vector<std::string> namesOfTipLoad() { return caseNames("tip load alpha={:g}", kTipLoads); }
 
-// The load is a heavy last vertex. The strand keeps its own weight, which the truth has too; gravity is so
-// weak that the strand may be long, because a short one is too stiff for the time step.
+// The load is a heavy last vertex. The exact solution includes the strand's own weight. Gravity is weak, so
+// the strand may be long; a short one is too stiff for the time step.
 std::vector<Case> tipLoad(const Laboratory& laboratory) {
   constexpr double kLength = 0.07;  // m
   std::vector<Case> cases;
@@ -56,7 +56,7 @@ std::vector<Case> catenary(const Laboratory& laboratory) {
   Material limp;
   limp.youngs_modulus = 1e3f;
   StrandSet set;
-  for (const double span : kSpans) {  // at first two straight halves that meet below
+  for (const double span : kSpans) {  // initially two straight halves that meet below
     const Vec3 middle =
         Vec3(static_cast<float>(span), -static_cast<float>(std::sqrt(1 - span * span)), 0) * kLength / 2;
     StrandPoints points;
@@ -96,7 +96,7 @@ std::vector<Case> hungHelix(const Laboratory& laboratory) {
   return {relativeCase({"hung helix", "height", "mm"}, -1e3 * tipOf(simulation, 0).y(), truth, 3)};
 }
 
-// Groomed shapes that hair could not keep, made to: how far any vertex goes from its place once gravity acts.
+// Sag-free grooms of shapes that hair cannot hold by itself: largest displacement of a vertex under gravity.
 std::vector<Case> sagFree(const Laboratory& laboratory) {
   StrandModel model =
       modelOf({straightStrand(0.1, kEdges, Vec3::UnitX()), straightStrand(0.08, kEdges, Vec3::UnitY()),
@@ -117,7 +117,7 @@ std::vector<Case> sagFree(const Laboratory& laboratory) {
   return {found};
 }
 
-// Strands are pushed and come to rest: the largest rms speed of one then, mm/s.
+// Largest rms speed of a strand some time after a push, mm/s.
 double speedAfterAPush(const Laboratory& laboratory, StrandModel model, const Parameters& parameters) {
   constexpr double kSettling = 10;  // s
   Simulation simulation = laboratory.simulation(std::move(model), parameters);
@@ -128,7 +128,7 @@ double speedAfterAPush(const Laboratory& laboratory, StrandModel model, const Pa
   return 1e3 * fastestOf(simulation);
 }
 
-// Curls and waves fall from their natural shape. Edges turn by at most 60 degrees.
+// Helices fall from their natural shape. Joints turn by at most 60 degrees.
 std::vector<Case> helices(const Laboratory& laboratory) {
   std::vector<StrandPoints> strands;
   for (const double radius : {0.005, 0.01, 0.02})
@@ -145,8 +145,8 @@ std::vector<Case> helices(const Laboratory& laboratory) {
       speedAfterAPush(laboratory, modelOf(strands, Material{}), laboratory.parameters(kRate, 2)), 0, 1)};
 }
 
-// Waves that leave their root aslant and then hang, held in their shape by moments, which internal damping
-// must not turn into a drive.
+// Waves that leave their root obliquely and then hang. Rest moments hold their shape; internal damping must
+// not turn these into a drive.
 constexpr double kDampingTimes[] = {0.02, 0.1};  // s
 
 std::vector<std::string> namesOfDamped() { return caseNames("damped by {:g} s: at rest", kDampingTimes); }
@@ -176,8 +176,8 @@ std::vector<Case> damped(const Laboratory& laboratory) {
   return cases;
 }
 
-// Hair that grows upwards hangs down over its root. A tenth as stiff as human hair, as fur and wool are, it
-// turns by more than 100 degrees in its first joint there.
+// Hair that grows upwards hangs down over its root. With a tenth of the stiffness of human hair, as fur and
+// wool have, its first joint turns by more than 100 degrees.
 constexpr double kSubstepsFolded[] = {4, 6};
 
 std::vector<std::string> namesOfFolded() {

@@ -3,9 +3,9 @@
 
 namespace strandcast {
 
-/// The tip's angle, above 0 and up to `wanted`, with which a rod that is followed from its tip has the angle
-/// `wanted` at its clamp; clamp_angle(tip angle) grows with it. Bisection of its logarithm: the tip of a
-/// heavy rod may be nearer to 0 than doubles are to 1.
+/// Finds the angle at the tip, in (0, wanted], for which integration from the tip gives the angle `wanted` at
+/// the clamp. Precondition: clamp_angle(tip angle) increases. Bisects the logarithm: the tip angle of a heavy
+/// rod may be smaller than the spacing of doubles at 1.
 template <class ClampAngle>
 double shootFromTip(double wanted, const ClampAngle& clamp_angle) {
   double low = std::log(1e-200), high = std::log(wanted);

@@ -6,36 +6,38 @@
 
 namespace strandcast {
 
-/// Strands as the experiments take them. Number of edges, lengths in metres, Y up; the root is at the origin.
+/// Strands of the experiments: lengths in metres, Y up, the root at the origin.
 using StrandPoints = std::vector<Vec3>;
 
 StrandPoints straightStrand(double length, int edges, const Vec3& direction);
 /// A right-handed helix about the downward axis.
 StrandPoints helixStrand(double radius, double pitch, double length, int edges);
-/// A part of a circle in the plane of X and Y that begins downwards and bends towards X.
+/// A circular arc in the XY plane that starts downwards and bends towards X; curvature in 1/m.
 StrandPoints arcStrand(double curvature, double length, int edges);
 
-float anyNumber(std::mt19937& random);  ///< -1 to 1
-/// From `direction` on each edge goes the way of the last, with up to `kink` more or less along each axis.
+float anyNumber(std::mt19937& random);  ///< uniform in [-1, 1]
+/// A strand whose first edge follows `direction`. Each edge adds a random offset within +-`kink` per axis to
+/// the direction of the one before it.
 StrandPoints kinkedStrand(const Vec3& root, Vec3 direction, float length, int edges, float kink,
                           std::mt19937& random);
 
-/// Length at which a strand of this material has the gravito-bending number gamma = 4 rho g L^3 / (E R^2).
+/// Length L, m, at which a strand of this material has the gravito-bending number gamma = 4 rho g L^3 / (E
+/// R^2).
 double lengthOfGamma(double gamma, const Material& material);
 /// Bending stiffness over mass per length, m^4/s^2.
 double bendingOverMass(const Material& material);
 
-/// One groom of strands that each have their own material.
+/// A model of these strands, with one material per strand.
 StrandModel modelOf(const std::vector<StrandPoints>& strands, const std::vector<Material>& materials);
 StrandModel modelOf(const std::vector<StrandPoints>& strands, const Material& material = {});
 
 constexpr float kHeadRadius = 0.1f;  ///< m
-/// Hair that stands out of the upper half of a head and a little below, evenly (Fibonacci's spiral); `bend`:
-/// how much it turns downwards. The head's middle is the origin.
+/// Hair on the upper half of a spherical head and a little below, with evenly distributed roots (Fibonacci
+/// spiral). `bend`: how much strands curve downwards. The head's centre is the origin.
 StrandModel headOfHair(int strands, double length, int edges, double bend);
-/// That head.
+/// The body of that head, a sphere of kHeadRadius.
 RigidBody headBody();
 
-constexpr double kGravity = 9.81;  ///< m/s^2, of every experiment that has any
+constexpr double kGravity = 9.81;  ///< m/s^2, of every experiment with gravity
 
 }  // namespace strandcast

@@ -13,14 +13,14 @@ namespace {
 constexpr int kStrands = 1000;
 constexpr double kSpeed = 10;        // m/s
 constexpr double kThickness = 0.01;  // m
-constexpr double kTop = 0.04;        // m, of the plate below the roots
-constexpr double kWay = 0.15;        // m, less than the strands reach below the plate's top
+constexpr double kTop = 0.04;        // m, top of the plate below the roots
+constexpr double kWay = 0.15;        // m, travel; less than the strands reach below the plate's top
 
 constexpr double kTilts[] = {0, 30, 60};  // degrees
 
 std::string nameOf(double tilt) { return fmt::format("plate of 10 mm at 10 m/s, tilt={:g}", tilt); }
 
-// Straight, wavy and curly strands of 20 to 30 cm that hang by roots in one plane.
+// Straight, wavy and curly strands of 20 to 30 cm, hanging from roots in one plane.
 StrandModel hangingStrands() {
   std::mt19937 random(7);
   auto number = [&](double low, double high) {
@@ -37,14 +37,14 @@ StrandModel hangingStrands() {
   return modelOf(strands);
 }
 
-// A plate with a level top edge goes through the hair from behind it, `tilt` degrees from upright.
+// A plate with a horizontal top edge moves through the hair from behind, `tilt` degrees from upright.
 std::vector<Case> plate(const Laboratory& laboratory, double tilt) {
   Parameters parameters = laboratory.parameters(60, 1);
   parameters.substeps = 4;
   ContactPrimitive box;
   box.kind = PrimitiveKind::kBox;
   box.extent = Vec3(static_cast<float>(kThickness / 2), 0.3f, 0.6f);
-  box.a = Vec3(0, -0.3f, 0);  // the top edge's middle is where its body is
+  box.a = Vec3(0, -0.3f, 0);  // the body's origin is the middle of the top edge
   const Quat turned(
       Eigen::AngleAxisf(static_cast<float>(tilt * std::numbers::pi / 180), Eigen::Vector3f::UnitZ()));
   auto pose = [&](double way) {
@@ -52,7 +52,7 @@ std::vector<Case> plate(const Laboratory& laboratory, double tilt) {
   };
   Simulation simulation = laboratory.simulation(hangingStrands(), {}, parameters);
   laboratory.advance(simulation, 1.5);
-  // Begins behind the hair, wherever its tilt has its lower parts reach to.
+  // Starts behind the hair at any tilt of the plate.
   const double first = -0.3 * std::sin(tilt * std::numbers::pi / 180) * 2;
   const BodyId id = simulation.addBody({{box}, false, false, pose(first)});
   size_t vertices = 0, segments = 0;
@@ -65,10 +65,10 @@ std::vector<Case> plate(const Laboratory& laboratory, double tilt) {
       const std::span<const Vec3> strand = strandOf(simulation, s);
       for (size_t v = 1; v < strand.size(); ++v) {
         const Vec3 inner = back.apply(strand[v - 1]), outer = back.apply(strand[v]);
-        // Behind the plate's middle, below its top: through it. So is what is not a number.
+        // Behind the mid-plane and below the top counts as tunnelled; so does NaN.
         const auto through = [](const Vec3& p) { return !(p.x() >= 0 || p.y() >= 0); };
         vertices += through(outer) ? 1 : 0;
-        if (!(inner.x() * outer.x() >= 0)) {  // where the segment meets the middle
+        if (!(inner.x() * outer.x() >= 0)) {  // the segment crosses the mid-plane
           const float part = inner.x() / (inner.x() - outer.x());
           segments += inner.y() + part * (outer.y() - inner.y()) >= 0 ? 0 : 1;
         }

@@ -14,12 +14,12 @@
 namespace strandcast {
 namespace {
 
-constexpr double kSwing = 0.01;  // amplitude of a mode at the tip, part of the length: small
+constexpr double kSwing = 0.01;  // amplitude of a mode at the tip over the length; small
 
 using ModeShape = std::function<double(int mode, double place)>;
 
-// Strand s starts straight, with the velocities of mode s + 1 across `across`; how much of that mode is in
-// it, over time.
+// Strand s starts straight, with the velocities of mode s + 1 along `across`. Returns the amplitude of that
+// mode over time.
 std::vector<std::vector<double>> modeAmplitudes(const Laboratory& laboratory, Simulation& simulation,
                                                 const ModeShape& shape,
                                                 const std::vector<double>& frequencies, const Vec3& across,
@@ -73,8 +73,8 @@ std::vector<Oscillation> beamOscillations(const Laboratory& laboratory, float da
   return out;
 }
 
-// Of mode 1, the mean of the place along the strand, weighted with the square of its curvature, which is what
-// damping works by.
+// Mean arc length of mode 1, weighted with the square of its curvature, to which the dissipation is
+// proportional.
 double bentPlaceOfBeam() {
   constexpr int kPlaces = 1000;
   constexpr double kStep = 1.0 / kPlaces;
@@ -130,7 +130,7 @@ std::vector<Case> chain(const Laboratory& laboratory) {
   const StrandPoints points = straightStrand(kHairLength, kEdges, -Vec3::UnitY());
   Simulation simulation =
       laboratory.simulation(modelOf({points, points, points}, limp()), laboratory.parameters(kRate, 0));
-  laboratory.advance(simulation, 1);  // tensions come to rest
+  laboratory.advance(simulation, 1);  // tensions settle
   std::vector<double> truth;
   for (int mode = 1; mode <= 3; ++mode)
     truth.push_back(chainRoot(mode) / 2 * std::sqrt(kGravity / kHairLength));
@@ -148,7 +148,7 @@ std::vector<Case> chain(const Laboratory& laboratory) {
   return cases;
 }
 
-constexpr double kLightTip = 0.1, kHeavyTip = 5;  // mass per length over that at the clamp
+constexpr double kLightTip = 0.1, kHeavyTip = 5;  // mass per length at the tip over that at the clamp
 
 std::vector<std::string> namesOfUnevenChains() {
   std::vector<std::string> names;
@@ -186,8 +186,7 @@ std::vector<Case> unevenChains(const Laboratory& laboratory) {
 
 constexpr const char* kThickAir = "chain in thick air";
 
-// The air is too thick for it to swing: its first mode dies away, as an oscillator does that is damped beyond
-// the aperiodic limit.
+// Overdamped by air drag: the first mode decays without oscillation.
 std::vector<Case> chainInThickAir(const Laboratory& laboratory) {
   constexpr double kDrag = 100, kFrom = 0.5, kTo = 2;  // 1/s; s
   const StrandPoints points = straightStrand(kHairLength, kEdges, -Vec3::UnitY());

@@ -24,8 +24,8 @@ Parameters parametersOf(const Laboratory& laboratory, float stiffness, float fri
   return parameters;
 }
 
-// Volume of hair: that of every strand's vertices over the density around them, by cubes of 1 cm that stand
-// still in the world. Independent of the grid under test.
+// Volume of hair: the sum over vertices of mass over local density, by cubes of 1 cm fixed in the world.
+// Independent of the grid under test.
 double volumeOf(std::span<const Vec3> positions) {
   constexpr double kCube = 0.01;
   auto key = [](int x, int y, int z) { return (static_cast<int64_t>(x) * 4096 + y) * 4096 + z; };
@@ -51,7 +51,7 @@ double volumeOf(std::span<const Vec3> positions) {
   return volume;
 }
 
-constexpr double kHeadRates[] = {60, 240};  // steps per second: short ones allow more stiffness
+constexpr double kHeadRates[] = {60, 240};  // steps per second; shorter steps allow more stiffness
 
 std::vector<std::string> namesOfFullHead() {
   std::vector<std::string> names;
@@ -88,7 +88,7 @@ std::vector<Case> fullHead(const Laboratory& laboratory) {
   return volumes;
 }
 
-// The hair at rest feels nothing; that it moves all the same is the rounding of its own elasticity.
+// Hair at rest gets no force; its residual motion is rounding in its own elasticity.
 std::vector<Case> atRest(const Laboratory& laboratory) {
   const StrandModel model = headOfHair(600, 0.2, 23, 2);
   double ways[2] = {}, felt = 0;
@@ -113,7 +113,7 @@ std::vector<Case> atRest(const Laboratory& laboratory) {
           absoluteCase({"groom at rest: push", "largest acceleration of a vertex", "m/s^2"}, felt, 0, 1e-6)};
 }
 
-// A squeezed head of hair in which every strand has a velocity of its own: all impulses of a step, added up.
+// A squeezed head of hair with a random velocity per strand: the sum of all impulses of a step.
 std::vector<Case> momentum(const Laboratory& laboratory) {
   const StrandModel model = headOfHair(1000, 0.2, 23, 2);
   std::vector<Case> cases;
@@ -144,7 +144,7 @@ std::vector<Case> momentum(const Laboratory& laboratory) {
   return cases;
 }
 
-// Two wisps that rest apart; then the roots of one are carried into the other's.
+// Two wisps that are apart at rest; then the roots of one are moved into the other.
 StrandModel wisps(double apart) {
   constexpr int kSide = 10, kHairEdges = 24;
   constexpr double kLength = 0.2, kBetween = 0.004;
@@ -165,8 +165,8 @@ StrandModel wisps(double apart) {
 }
 
 struct WispState {
-  double density = 0;  ///< of outer halves over that at rest: roots are held where they are
-  double speed = 0;    ///< mm/s, rms, the largest of the last half second
+  double density = 0;  ///< density of outer halves over that at rest; roots are fixed
+  double speed = 0;    ///< mm/s, largest rms speed in the last half second
 };
 WispState carriedTogether(const Laboratory& laboratory, float stiffness) {
   constexpr double kApart = 0.082, kCarried = 0.08, kCarrying = 0.5, kSeconds = 6, kWatched = 0.5;

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kAcross = std::numbers::pi / 2;
 
-// psi = angle of the tangent (sin psi, cos psi) from the wind. Over the distance from the tip: psi'' = t_x
-// N_y - t_y N_x, and the force N of what lies further out grows by the drag.
-using State = Eigen::Matrix<double, 6, 1>;  // psi, psi', N across and downwind, way across and downwind
+// psi: angle of the tangent (sin psi, cos psi) from the wind. Over the distance from the tip psi'' = t_x N_y
+// - t_y N_x; the force N of the part beyond grows by the drag.
+using State = Eigen::Matrix<double, 6, 1>;  // psi, psi', N across and downwind, position across and downwind
 
-// At the clamp, or where the strand turns against the wind before it.
+// State at the clamp, or where the strand turns against the wind before the clamp.
 State atClamp(double load, double ratio, double tip_angle) {
   constexpr int kSteps = 2000;
   State y = State::Zero();

@@ -10,27 +10,27 @@
 
 namespace strandcast {
 
-/// What became of a command.
+/// The outcome of a command.
 struct CommandOutcome {
   uint64_t id;
   CommandKind kind;
   std::string name;
-  std::string refusal;  ///< empty where it was carried out
+  std::string refusal;  ///< empty on success
 };
 
-/// Sends commands from a thread of its own, one after the other, each until the daemon has answered. Of those
-/// that wait, one of the same kind and name takes the place of an older one: a slider that is dragged sends
-/// its newest value.
+/// Sends commands from its own thread, one after the other, each until the daemon has answered. A queued
+/// command is replaced by a newer one of the same kind and name: a slider that is dragged sends its newest
+/// value.
 class CommandSender {
  public:
-  explicit CommandSender(Subscriber& subscriber);  ///< which outlives it
+  explicit CommandSender(Subscriber& subscriber);  ///< must outlive this
   ~CommandSender();
 
   /// Returns the command's id.
   uint64_t send(CommandKind kind, const std::string& name, std::vector<double> values);
-  /// Without an answer yet.
+  /// Number of commands without an answer.
   size_t waiting() const;
-  /// Those since the last call.
+  /// Outcomes since the last call.
   std::vector<CommandOutcome> takeOutcomes();
 
  private:

@@ -6,9 +6,10 @@
 namespace strandcast {
 namespace {
 
-constexpr float kReach = 0.05f;        // of the picture's height, to either side of the mouse
-constexpr float kTurn = 3;             // rad, over the picture's height
-constexpr float kCombAnew = 0.7f;      // of its radius, after which a comb takes the hair that is there
+constexpr float kReach = 0.05f;        // radius around the mouse, in heights of the picture
+constexpr float kTurn = 3;             // rad, for a drag over the picture's height
+constexpr float kCombAnew = 0.7f;      // fraction of its radius, after which a comb grasps the hair at its
+                                       // new position
 constexpr float kFarthestHead = 0.6f;  // m
 
 }  // namespace
@@ -29,7 +30,8 @@ std::optional<uint32_t> pickedVertex(const Camera& camera, std::span<const Vec3>
     const auto place = projected(camera, vertices[v], mouse.aspect);
     if (!place) continue;
     const float off = std::hypot((place->x - mouse.x) * mouse.aspect, place->y - mouse.y);
-    // A vertex at the edge of the reach must be much nearer to win.
+    // Weights the distance to the eye by that to the mouse, so that a vertex at the edge of the reach wins
+    // only where it is much nearer.
     const float cost = (vertices[v] - camera.eye).norm() * (1 + 2 * off);
     if (off > reach || !(cost < nearest)) continue;
     nearest = cost;

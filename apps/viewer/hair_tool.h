@@ -11,33 +11,36 @@ namespace strandcast {
 enum class MouseTool { kOrbit, kMoveHead, kTurnHead, kPull, kComb };
 inline constexpr const char* kMouseTools[] = {"orbit", "move head", "turn head", "pull", "comb"};
 
-/// How a hand takes hair.
+/// How the mouse holds hair.
 struct HandSettings {
-  float radius = 0.006f;       ///< m, of what pulling holds
-  float comb_radius = 0.025f;  ///< m, of what combing holds
-  float rate = 120;            ///< 1/s
+  float radius = 0.006f;       ///< m, reach of a pull
+  float comb_radius = 0.025f;  ///< m, reach of a comb
+  float rate = 120;            ///< 1/s, rate of the pull
 };
 
-/// A place in the picture, 0 to 1 from the left and from the top, and width over height of the picture.
+/// A position in the picture, 0 to 1 from the left and from the top, and the picture's aspect, width over
+/// height.
 struct PicturePoint {
   float x, y, aspect;
 };
 
-/// Where the camera has a point of the world; nothing behind it.
+/// Projects a point of the world into the picture; empty behind the camera.
 std::optional<PicturePoint> projected(const Camera& camera, const Vec3& point, float aspect);
-/// The vertex under the mouse: of those within `reach` (of the picture's height) the nearest to the eye.
+/// The vertex under the mouse: the nearest to the eye of those within `reach`, in heights of the picture.
 std::optional<uint32_t> pickedVertex(const Camera& camera, std::span<const Vec3> vertices,
                                      const PicturePoint& mouse, float reach);
-/// Where the mouse is in the plane through `at` that faces the camera.
+/// The mouse position in the plane through `at` that faces the camera, m, world.
 Vec3 draggedTo(const Camera& camera, const Vec3& at, const PicturePoint& mouse);
 
-/// Turns what the mouse does to hair and head into commands.
+/// Turns mouse drags on hair and head into commands.
 class HairTool {
  public:
-  /// False where there is nothing to take.
+  /// Starts a drag; false where there is nothing to grasp.
   bool press(MouseTool tool, const HandSettings& hand, const Camera& camera, const GuideFrame& frame,
              const PicturePoint& mouse);
+  /// Sends the command for the present mouse position of a drag.
   void drag(const Camera& camera, const PicturePoint& mouse, CommandSender& commands);
+  /// Ends the drag; releases pulled hair.
   void release(CommandSender& commands);
   bool isHolding() const { return holding_; }
   const Vec3& hand() const { return to_; }  ///< m, world

@@ -1,9 +1,9 @@
 #pragma once
-#include "render/image.h"
+#include "io/image.h"
 
 namespace strandcast {
 
-/// A picture that a panel can show; needs a current context for its whole life.
+/// An image as a texture that a panel can show. Needs a current OpenGL context for its whole life.
 class ImageTexture {
  public:
   ImageTexture() = default;
@@ -11,9 +11,10 @@ class ImageTexture {
   ImageTexture(const ImageTexture&) = delete;
   ImageTexture& operator=(const ImageTexture&) = delete;
 
+  /// Uploads an image.
   void set(const Image& image);
   bool isEmpty() const { return id_ == 0; }
-  /// As wide as is given, in the panel that is being made.
+  /// Draws the image `width` pixels wide into the current panel.
   void show(float width) const;
 
  private:

@@ -9,16 +9,16 @@
 
 namespace strandcast {
 
-/// The daemons on a network, listened for in the background once asked.
+/// The daemons on a network. Listening starts in the background on the first call of listen().
 class NetworkList {
  public:
-  /// Of the network of these settings.
+  /// Listens on the network of these settings.
   explicit NetworkList(const Settings& settings) : settings_(settings) {}
   void listen();
   bool listens() const { return subscriber_ != nullptr || joining_.valid(); }
-  /// The newest status of each; empty until some were heard.
+  /// The newest status of each daemon; empty until one was heard.
   std::vector<Status> daemons();
-  const std::string& problem() const { return problem_; }  ///< why there is no listening
+  const std::string& problem() const { return problem_; }  ///< why listening failed; empty otherwise
 
  private:
   const Settings settings_;

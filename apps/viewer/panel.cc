@@ -124,20 +124,20 @@ void ViewerPanel::drawTop(ViewerSession& session, PanelRequests& requests) {
                         session.isHere() ? " here" : "", static_cast<unsigned long long>(status->strands));
     helpHere(status->device);
   }
-  if (chosen(paused ? "go on" : "pause", paused)) {
+  if (chosen(paused ? "resume" : "pause", paused)) {
     paused = !paused;
     session.commands().send(CommandKind::kPause, "", {paused ? 1.0 : 0.0});
   }
   helpHere("Space");
   ImGui::SameLine();
   requests.single_step = ImGui::Button("step");
-  helpHere("a single step of the simulation, which is paused (.)");
+  helpHere("single step of the paused simulation (.)");
   ImGui::SameLine();
   requests.reset = ImGui::Button("reset hair");
-  helpHere("back to the rest shape (R)");
+  helpHere("reset the hair to its rest shape (R)");
   ImGui::SameLine();
   requests.screenshot = ImGui::Button("screenshot");
-  helpHere("strandcast_0000.png and on (P)");
+  helpHere("writes strandcast_0000.png and following (P)");
   ImGui::SameLine();
   if (chosen(session.records() ? "stop" : "record", session.records())) {
     try {
@@ -150,12 +150,12 @@ void ViewerPanel::drawTop(ViewerSession& session, PanelRequests& requests) {
       say(error.what());
     }
   }
-  helpHere("writes the stream into a file that `strandcast replay` casts again");
+  helpHere("records the stream into a file that `strandcast replay` publishes again");
   if (session.records()) {
     ImGui::SameLine();
     ImGui::Text("%.1f s", session.recordedSeconds());
   } else {
-    textRow("record into", "the file of the next recording", record_file_);
+    textRow("record into", "file of the next recording", record_file_);
   }
   if (const std::string problem = session.recordingProblem(); !problem.empty())
     ImGui::TextWrapped("%s", problem.c_str());
@@ -168,8 +168,8 @@ void ViewerPanel::drawTools(ViewerSession& session) {
     ImGui::SameLine();
     if (chosen(kMouseTools[i], tool == static_cast<MouseTool>(i))) tool = static_cast<MouseTool>(i);
     helpHere(
-        fmt::format("what dragging with the left button does ({}); the right button always orbits, the "
-                    "wheel zooms, Shift pulls and Control turns the head",
+        fmt::format("action of dragging with the left button ({}); the right button always orbits, the wheel "
+                    "zooms, Shift pulls and Control turns the head",
                     i + 1));
   }
   if (tool == MouseTool::kPull || tool == MouseTool::kComb) {
@@ -198,7 +198,7 @@ void ViewerPanel::drawMessages() {
     for (const std::string& message : messages_) all += message + "\n";
     helpHere(all);
   } else {
-    ImGui::TextDisabled("drag in the picture; Tab hides all this");
+    ImGui::TextDisabled("drag in the picture; Tab hides this panel");
   }
 }
 
@@ -207,8 +207,9 @@ void ViewerPanel::drawParameters(ViewerSession& session) {
   if (!ImGui::CollapsingHeader("Simulation", ImGuiTreeNodeFlags_DefaultOpen)) return;
   const size_t waiting = session.commands().waiting();
   if (filter_.empty())
-    ImGui::TextDisabled("%s", waiting > 0 ? fmt::format("{} commands wait for an answer", waiting).c_str()
-                                          : "sent to the daemon as commands; all answered");
+    ImGui::TextDisabled("%s", waiting > 0
+                                  ? fmt::format("{} commands wait for the daemon's answer", waiting).c_str()
+                                  : "sent to the daemon as commands; all answered");
   for (const ParameterInfo& info : session.settable()) {
     if (!matches(info.name)) continue;
     const auto known = session.parameter(info.name);
@@ -236,7 +237,7 @@ void ViewerPanel::drawPicture(PanelRequests& requests) {
     if (setting.of_light && !lights_shown) {
       lights_shown = true;
       drawLights(requests);
-      usual.settings.lights.resize(picture.settings.lights.size());  // one that was added: as by default
+      usual.settings.lights.resize(picture.settings.lights.size());  // added lights have the defaults
       usual.light = picture.light;
     }
     if (setting.file != nullptr) {
@@ -253,7 +254,7 @@ void ViewerPanel::drawPicture(PanelRequests& requests) {
   }
 }
 
-/// Which of the lights the rows below are of, and how many there are.
+/// Selects the light that the rows below edit, and the number of lights.
 void ViewerPanel::drawLights(PanelRequests& requests) {
   std::vector<Light>& lights = picture.settings.lights;
   ImGui::AlignTextToFramePadding();
@@ -263,7 +264,7 @@ void ViewerPanel::drawLights(PanelRequests& requests) {
     ImGui::PushID(static_cast<int>(i));
     if (chosen(fmt::format(" {} ", i + 1).c_str(), picture.light == i)) picture.light = i;
     ImGui::PopID();
-    helpHere("what follows is of this light");
+    helpHere("the settings below belong to this light");
   }
   const auto button = [](const char* label, bool possible) {
     if (!possible) return false;
@@ -352,7 +353,7 @@ void ViewerPanel::setFields(std::vector<std::shared_ptr<const DistanceField>> fi
 void ViewerPanel::drawFields() {
   if (!ImGui::CollapsingHeader("Body fields")) return;
   if (fields_.empty()) {
-    ImGui::TextWrapped("none is baked: switch on keep-out or mark-collided");
+    ImGui::TextWrapped("no field is baked: switch on keep-out or mark-collided");
     return;
   }
   for (int i = 0; i < static_cast<int>(fields_.size()); ++i) {
@@ -384,7 +385,7 @@ void ViewerPanel::loadPreset(ViewerSession& session) {
 
 void ViewerPanel::drawPresets(ViewerSession& session, PanelRequests& requests) {
   if (!ImGui::CollapsingHeader("Presets")) return;
-  textRow("file", "TOML, with every setting above; also an option: --preset FILE", preset_file_);
+  textRow("file", "TOML file with every setting above; also readable with --preset FILE", preset_file_);
   if (ImGui::Button("save")) {
     try {
       writePreset(preset_file_, session.parameters(), picture);
@@ -399,7 +400,7 @@ void ViewerPanel::drawPresets(ViewerSession& session, PanelRequests& requests) {
     requests.picture_changed = true;
   }
   ImGui::SameLine();
-  if (ImGui::Button("picture as at the start")) {
+  if (ImGui::Button("reset picture settings")) {
     picture = usual_;
     requests.picture_changed = true;
   }
@@ -410,7 +411,7 @@ void ViewerPanel::drawNetwork(ViewerSession& session, NetworkList& network, Pane
   if (!network.listens() && ImGui::Button("look for daemons")) network.listen();
   if (!network.problem().empty()) ImGui::TextWrapped("%s", network.problem().c_str());
   const std::vector<Status> daemons = network.daemons();
-  if (network.listens() && daemons.empty()) ImGui::TextDisabled("no daemon is heard");
+  if (network.listens() && daemons.empty()) ImGui::TextDisabled("no daemon found");
   for (const Status& daemon : daemons) {
     ImGui::PushID(static_cast<int>(daemon.groom_id));
     const bool current = !session.isHere() && daemon.groom_id == session.groomId();

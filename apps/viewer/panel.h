@@ -14,29 +14,29 @@
 
 namespace strandcast {
 
-/// What the panel asks the viewer's loop for.
+/// Requests of the panel to the viewer's loop.
 struct PanelRequests {
   bool picture_changed = false;
   bool screenshot = false, single_step = false, reset = false;
-  std::optional<uint32_t> join;  ///< a groom on the network
+  std::optional<uint32_t> join;  ///< id of a groom on the network
 };
 
-/// Everything beside the picture: values that the user turns, buttons, plots.
+/// The user interface beside the picture: settings, buttons and plots.
 class ViewerPanel {
  public:
   static constexpr float kWidth = 420, kPlotHeight = 150;  // pixels
 
-  /// `picture`: as the command line has it, which is what resets go back to.
+  /// `picture`: the settings of the command line, which resets return to.
   ViewerPanel(const PictureOptions& picture, const std::string& preset_file);
 
-  /// Draws all panels into a window of that size.
+  /// Draws all panels into a window of that size, pixels.
   PanelRequests draw(ViewerSession& session, NetworkList& network, const RenderStatistics& rendered,
                      float width, float height);
-  /// Once a picture.
+  /// Adds to the plots; call once per picture.
   void measure(ViewerSession& session, const RenderStatistics& rendered, double pictures_per_second);
-  /// A line for the user, the newest first.
+  /// Logs a line for the user; the newest is shown first.
   void say(const std::string& message);
-  /// Lays a preset over what is set.
+  /// Applies a preset over the present settings.
   void loadPreset(ViewerSession& session);
   void setFields(std::vector<std::shared_ptr<const DistanceField>> fields);
 

@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-/// Told apart also by who sees few colours (Okabe and Ito 2008).
+/// A palette for readers with colour vision deficiency (Okabe and Ito 2008).
 constexpr ImU32 kColours[] = {IM_COL32(86, 180, 233, 255), IM_COL32(230, 159, 0, 255),
                               IM_COL32(0, 158, 115, 255),  IM_COL32(204, 121, 167, 255),
                               IM_COL32(240, 228, 66, 255), IM_COL32(213, 94, 0, 255),
@@ -18,7 +18,7 @@ constexpr ImU32 kFrame = IM_COL32(255, 255, 255, 22), kQuiet = IM_COL32(190, 195
 
 ImU32 colourOf(size_t line) { return kColours[line % std::size(kColours)]; }
 
-/// 1, 2 or 5 times a power of ten, no less than `value`.
+/// The smallest of 1, 2 or 5 times a power of ten that is at least `value`.
 double niceTop(double value) {
   if (!(value > 0) || !std::isfinite(value)) return 1;
   const double power = std::pow(10, std::floor(std::log10(value)));
@@ -77,7 +77,7 @@ void Plot::draw(float width, float height) const {
     const std::string words = fmt::format("{} {:.3g}", lines[n].name, lines[n].history.newest());
     draw->AddRectFilled({corner.x + 3, label},
                         {corner.x + 7 + ImGui::CalcTextSize(words.c_str()).x, label + text},
-                        IM_COL32(20, 21, 24, n == 0 ? 255 : 170));  // over the scale where it is narrow
+                        IM_COL32(20, 21, 24, n == 0 ? 255 : 170));  // may cover the scale's label
     draw->AddText({corner.x + 5, label}, colourOf(n), words.c_str());
   }
   draw->PopClipRect();

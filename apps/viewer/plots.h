@@ -6,7 +6,7 @@
 
 namespace strandcast {
 
-/// The newest values of one quantity.
+/// A ring of the newest values of one quantity.
 class History {
  public:
   static constexpr size_t kLength = 240;
@@ -20,7 +20,7 @@ class History {
   size_t count_ = 0;
 };
 
-/// Histories of one unit in one picture.
+/// Histories of one unit in one plot.
 struct Plot {
   std::string title, unit;
   struct Line {
@@ -29,10 +29,9 @@ struct Plot {
   };
   std::vector<Line> lines;
 
-  /// Adds to the line of that name, which comes last when it is new.
+  /// Appends to the line of that name; a new name adds a line.
   void add(const std::string& name, double value);
-  /// Draws into the panel that is being made: lines from 0 to the largest value, their newest values beside
-  /// them.
+  /// Draws into the current panel: lines from 0 to the largest value, with their newest values beside them.
   void draw(float width, float height) const;
 };
 

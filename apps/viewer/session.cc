@@ -9,13 +9,13 @@ namespace {
 constexpr int kSliceSize = 192;  // pixels
 constexpr std::chrono::milliseconds kSliceInterval{200};
 
-/// Of one that a daemon told.
+/// The description of a daemon's parameter; generic where this program does not know it.
 ParameterInfo infoOf(const std::string& name, size_t components) {
   const int count = static_cast<int>(components);
   for (const ParameterInfo& info : parameterList())
     if (info.name == name && info.components == count) return info;
   constexpr double kAny = 1e9;
-  return {name, "", "as the daemon says", "known to the daemon alone", count, -kAny, kAny, false};
+  return {name, "", "as the daemon defines", "known only to the daemon", count, -kAny, kAny, false};
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ NamedValues ViewerSession::parameters() const {
 void ViewerSession::askForSlice(const std::optional<SliceRequest>& request) {
   const std::lock_guard lock(mutex_);
   request_ = request;
-  if (!here_) slice_problem_ = "a daemon does not cast its grids: name a --scene to simulate here";
+  if (!here_) slice_problem_ = "a daemon does not publish its grids: name a --scene to simulate here";
 }
 
 std::optional<AirSlice> ViewerSession::takeSlice() {

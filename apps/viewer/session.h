@@ -15,16 +15,17 @@
 
 namespace strandcast {
 
-/// Which slice through the air the viewer wants to see.
+/// The slice through the air that the viewer shows.
 struct SliceRequest {
   AirQuantity quantity = AirQuantity::kWind;
   int axis = 2;
 };
 
-/// A stream that the viewer shows: frames in, commands out, and what is known of the simulation behind it.
+/// The stream that the viewer shows: receives frames, sends commands, and tracks the state of the simulation
+/// behind it. Not thread-safe: one thread, which calls takeOutcomes() once per picture.
 class ViewerSession {
  public:
-  /// Waits until groom and body are known; throws Error after `timeout` seconds.
+  /// Waits for groom and body; throws Error after `timeout` seconds.
   ViewerSession(const Settings& settings, bool here, double timeout, Playout playout);
   ~ViewerSession();
 
@@ -35,28 +36,27 @@ class ViewerSession {
   bool isHere() const { return here_; }  ///< the simulation is in this process
   uint32_t groomId() const { return groom_id_; }
 
-  // Of one thread, which calls takeOutcomes() once a picture.
-
-  /// What became of commands since the last call. Looks at what the daemon tells of its parameters.
+  /// Outcomes of commands since the last call. Also updates the daemon's parameters from its newest status.
   std::vector<CommandOutcome> takeOutcomes();
-  /// The parameters that the daemon told, in its order; those that this program does not know have a name and
-  /// no more. Until it has told any, those of a simulation.
+  /// The daemon's parameters in its order; those that this program does not know have only a name. Until the
+  /// first status, the parameters of a simulation.
   const std::vector<ParameterInfo>& settable() const { return settable_; }
-  /// What a parameter is set to: what was sent, until that is answered, else what the daemon told.
+  /// The value of a parameter: the one sent, until the daemon has answered, else the one of its newest
+  /// status.
   std::optional<std::vector<double>> parameter(const std::string& name) const;
   void setParameter(const std::string& name, const std::vector<double>& values);
-  /// What resets go back to: as it was when the daemon was first heard, else as all simulations have it.
+  /// The value that resets return to: that of the daemon's first status, else the default.
   std::vector<double> usualParameter(const std::string& name) const;
-  /// Those of a simulation that are known, as a preset has them.
+  /// The known parameters of a simulation, as a preset stores them.
   NamedValues parameters() const;
 
-  /// Slices of a simulation in this process, a few times a second, until nothing is asked for.
+  /// Requests slices of a simulation in this process, a few times a second, until the request is empty.
   void askForSlice(const std::optional<SliceRequest>& request);
-  /// The newest since the last call, or why there is none.
+  /// The newest slice since the last call, or the reason why there is none.
   std::optional<AirSlice> takeSlice();
   std::string sliceProblem() const;
 
-  /// Writes frames from now on; throws Error.
+  /// Records frames from now on; throws Error.
   void startRecording(const std::filesystem::path& file);
   void stopRecording();
   bool records() const { return recording_.joinable(); }
@@ -64,7 +64,7 @@ class ViewerSession {
   std::string recordingProblem() const;
 
  private:
-  /// A command that is not answered yet.
+  /// A command without an answer yet.
   struct Sent {
     uint64_t id;
     std::vector<double> values;
@@ -74,11 +74,11 @@ class ViewerSession {
 
   const bool here_;
   const uint32_t groom_id_;
-  uint64_t told_by_ = 0;  // session
+  uint64_t told_by_ = 0;  // session of told_
   std::map<std::string, std::vector<double>> told_, first_told_;
   std::map<std::string, Sent> sent_;
   std::vector<ParameterInfo> settable_ = parameterList();
-  mutable std::mutex mutex_;  // of all below but the stream
+  mutable std::mutex mutex_;  // guards the members below, except the stream
   std::optional<SliceRequest> request_;
   std::optional<AirSlice> slice_;
   std::string slice_problem_, recording_problem_;

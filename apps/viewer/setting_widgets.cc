@@ -19,7 +19,7 @@ bool isSwitch(const ParameterInfo& info, const std::vector<std::string>& choices
          (choices.empty() && info.whole && info.low == 0 && info.high == 1);
 }
 
-/// As many digits as the value needs.
+/// Prints as many digits as the value needs.
 const char* formatOf(const ParameterInfo& info) { return info.whole ? "%.0f" : "%.4g"; }
 
 bool drag(const ParameterInfo& info, std::vector<double>& values) {
@@ -100,7 +100,7 @@ bool settingRow(const ParameterInfo& info, const std::vector<std::string>& choic
       values = usual;
       changed = true;
     }
-    helpHere(fmt::format("back to {:g}", fmt::join(usual, " ")));
+    helpHere(fmt::format("reset to {:g}", fmt::join(usual, " ")));
   }
   ImGui::PopID();
   return changed;

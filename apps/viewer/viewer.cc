@@ -16,20 +16,20 @@
 #include "apps/viewer/panel.h"
 #include "apps/viewer/window.h"
 #include "core/error.h"
-#include "render/image.h"
+#include "io/image.h"
 
 namespace strandcast {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Where the picture is in the window, pixels.
+/// The picture's rectangle in the window, pixels.
 struct Viewport {
   int left, top, width, height;
   float aspect() const { return static_cast<float>(width) / static_cast<float>(height); }
 };
 
-/// Keys that end in a command or switch something.
+/// Keys that send a command or switch a tool.
 constexpr int kToolKeys[] = {'1', '2', '3', '4', '5'};
 
 class Viewer {
@@ -122,7 +122,7 @@ class Viewer {
       if (pressed(kToolKeys[i])) panel_.tool = static_cast<MouseTool>(i);
   }
 
-  /// A button that went down over the picture has the mouse until it comes up.
+  /// A button pressed over the picture captures the mouse until it is released.
   void takeMouse(const Viewport& view) {
     const ImGuiIO& io = ImGui::GetIO();
     const PicturePoint mouse{(io.MousePos.x - static_cast<float>(view.left)) / static_cast<float>(view.width),
@@ -143,14 +143,14 @@ class Viewer {
       if (tool_.isHolding()) tool_.release(session_->commands());
     }
     if (tool_.isHolding()) tool_.drag(camera, mouse, session_->commands());
-    // What the mouse went before it was pressed, in the same picture, is no drag.
+    // Motion before the press, in the same picture, is not part of the drag.
     if (!orbiting_ || ImGui::IsMouseClicked(0) || ImGui::IsMouseClicked(1)) return;
     panel_.picture.azimuth -= 0.4 * static_cast<double>(io.MouseDelta.x);
     panel_.picture.elevation =
         std::clamp(panel_.picture.elevation + 0.4 * static_cast<double>(io.MouseDelta.y), -89.0, 89.0);
   }
 
-  /// The picture is as high as the settings say, and as wide as the window makes it.
+  /// The picture's height comes from the settings, its width from the window.
   void applySettings(const Viewport& view) {
     const int width = std::clamp(
         static_cast<int>(std::lround(static_cast<float>(panel_.picture.settings.height) * view.aspect())), 16,
@@ -182,7 +182,7 @@ class Viewer {
     renderer_.setObstacles(std::move(obstacles));
   }
 
-  /// The last picture stays until groom and body of a new daemon are both there.
+  /// Keeps the last picture until groom and body of a new daemon have both arrived.
   void takeFrame() {
     const auto frame = session_->player().next();
     if (!frame) return;
@@ -212,7 +212,7 @@ class Viewer {
     if (tool_.isHolding()) markHand(view);
   }
 
-  /// A ring where the hand is.
+  /// Draws a ring at the hand.
   void markHand(const Viewport& view) const {
     const auto at = projected(pictureCamera(panel_.picture, box_), tool_.hand(), view.aspect());
     if (!at) return;
@@ -239,7 +239,7 @@ class Viewer {
     if (joining_.valid()) return;
     Settings settings = options_.settings;
     settings.groom_id = groom_id;
-    panel_.say(fmt::format("joins groom {}", groom_id));
+    panel_.say(fmt::format("joined groom {}", groom_id));
     joining_ = std::async(std::launch::async, [=, this] {
       return std::make_unique<ViewerSession>(settings, false, options_.timeout, options_.playout);
     });
@@ -270,7 +270,7 @@ class Viewer {
   Box box_;
   HairTool tool_;
   bool orbiting_ = false, changed_ = false, obstacles_set_ = false, screenshot_asked_ = false;
-  std::shared_ptr<const ColliderSet> colliders_;  ///< that the obstacles are of
+  std::shared_ptr<const ColliderSet> colliders_;  ///< source of the obstacles
   int screenshots_ = 0;
 };
 

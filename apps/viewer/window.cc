@@ -41,7 +41,7 @@ void setStyle() {
   style.Colors[ImGuiCol_Button] = {0.22f, 0.28f, 0.35f, 1};
 }
 
-/// Of all displays the highest, in frames a second.
+/// The highest refresh rate of all displays, Hz.
 int refreshRate() {
   int count = 0, highest = 0;
   GLFWmonitor** monitors = glfwGetMonitors(&count);
@@ -58,7 +58,7 @@ const int ViewerWindow::kEscape = GLFW_KEY_ESCAPE, ViewerWindow::kTab = GLFW_KEY
 ViewerWindow::ViewerWindow(int width, int height, double max_fps) {
   if (glfwInit() == GLFW_FALSE) throw windowError();
   glfwWindowHint(GLFW_CONTEXT_CREATION_API,
-                 GLFW_EGL_CONTEXT_API);  // as the GPU backend's, which hands it back
+                 GLFW_EGL_CONTEXT_API);  // the GPU backend uses EGL too, and restores this context
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -70,15 +70,16 @@ ViewerWindow::ViewerWindow(int width, int height, double max_fps) {
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
-  // Somewhat less than the display's, for where swapping waits.
+  // Slightly less than the display's period, for drivers where swapping waits.
   double shortest = 0.9 / refreshRate();
   if (max_fps > 0) shortest = std::max(shortest, 1 / max_fps);
   shortest_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(shortest));
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
-  ImGui::GetIO().IniFilename = nullptr;  // panels are where they are
+  ImGui::GetIO().IniFilename = nullptr;  // panel positions are not saved
   setStyle();
-  // Dear ImGui 1.86 only knows which keys are down when a frame begins. It calls on what was here before it.
+  // Dear ImGui 1.86 samples keys only once per frame, so a short press is lost. It chains the callbacks set
+  // before it.
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
     if (action == GLFW_PRESS)
@@ -140,7 +141,7 @@ void ViewerWindow::endFrame(const std::string& title) {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSetWindowTitle(window_, title.c_str());
   glfwSwapBuffers(window_);
-  // Not all drivers wait for the display, and none for a window that is hidden.
+  // Not all drivers wait for the display, and none does for a hidden window.
   std::this_thread::sleep_until(shown_ + shortest_);
   shown_ = Clock::now();
 }

@@ -7,12 +7,12 @@ struct GLFWwindow;
 
 namespace strandcast {
 
-/// A window with an OpenGL 4.5 context, current as long as it lives, and Dear ImGui in it.
+/// A window with an OpenGL 4.5 context, current for its lifetime, and a Dear ImGui context.
 class ViewerWindow {
  public:
-  static const int kEscape, kTab;  ///< keys; letters and digits are their capital ASCII codes
-  /// Pixels, and pictures a second at most (0: as many as the display shows). Throws Error where there is no
-  /// display.
+  static const int kEscape, kTab;  ///< key codes; letters and digits are their capital ASCII codes
+  /// Size in pixels; `max_fps`: pictures per second at most, 0 = the display's rate. Throws Error where there
+  /// is no display.
   ViewerWindow(int width, int height, double max_fps);
   ~ViewerWindow();
   ViewerWindow(const ViewerWindow&) = delete;
@@ -23,14 +23,14 @@ class ViewerWindow {
   int width() const;  ///< pixels
   int height() const;
 
-  void beginFrame();  ///< takes events; panels may be made from now on
-  /// Whether the panels leave the mouse, and keys, to the picture.
+  void beginFrame();  ///< polls events; panels may be drawn from now on
+  /// Whether the panels do not capture the mouse, or the keys.
   bool mouseIsFree() const;
   bool keysAreFree() const;
-  /// Pressed since the last beginFrame(), also those that are up again.
+  /// Keys pressed since the last beginFrame(), including those released again.
   const std::vector<int>& pressedKeys() const { return pressed_; }
-  /// Draws the panels over what the window shows, and shows it; not more often than the display can or was
-  /// asked for.
+  /// Draws the panels over the window's content and swaps buffers; waits so that the display's rate or
+  /// max_fps is not exceeded.
   void endFrame(const std::string& title);
   void clear();  ///< to dark grey
 
@@ -38,8 +38,8 @@ class ViewerWindow {
   using Clock = std::chrono::steady_clock;
 
   GLFWwindow* window_ = nullptr;
-  Clock::duration shortest_;   ///< of frames
-  Clock::time_point shown_{};  ///< when the last one was
+  Clock::duration shortest_;   ///< of a frame
+  Clock::time_point shown_{};  ///< time of the last swap
   std::vector<int> pressed_;
 };
 

@@ -1,4 +1,4 @@
-// Encoding and decoding a frame of guides in motion, by codec, on one thread.
+// Encodes and decodes a frame of moving guides, for each codec, on one thread.
 #include <benchmark/benchmark.h>
 
 #include "bench/bench_scene.h"
@@ -36,7 +36,7 @@ const Film& film() {
   return made;
 }
 
-/// To and fro over the film, so that no frame jumps.
+/// Plays the film forwards and backwards, so that no frame jumps.
 const GuideFrame& frameAt(uint64_t number, GuideFrame& frame) {
   const size_t last = film().frames.size() - 1, place = number % (2 * last);
   frame = film().frames[place <= last ? place : 2 * last - place];

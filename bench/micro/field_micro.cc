@@ -1,4 +1,4 @@
-// Looking up a distance field at points near the surface, and anywhere about it.
+// Samples a distance field at points near the surface, and at points all around it.
 #include <benchmark/benchmark.h>
 
 #include <random>

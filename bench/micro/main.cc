@@ -1,5 +1,5 @@
-// Google Benchmark's own options, e.g. --benchmark_filter=codec --benchmark_format=csv; each line of output
-// is of one thread and counts vertices, samples or points per second.
+// Accepts Google Benchmark's options, e.g. --benchmark_filter=codec --benchmark_format=csv. Each result is of
+// one thread and counts vertices, samples or points per second.
 #include <benchmark/benchmark.h>
 
 #include "bench/build_commit.h"

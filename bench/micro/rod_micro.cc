@@ -1,4 +1,4 @@
-// A step of one block of strands, for each instruction set of this machine.
+// Steps one block of strands, for each instruction set of this machine.
 #include <benchmark/benchmark.h>
 
 #include <map>
@@ -10,7 +10,7 @@
 namespace strandcast {
 namespace {
 
-/// Sixteen curly strands, as many as the most lanes; made once.
+/// Sixteen curly strands, the largest number of lanes; made once.
 const Scene& sceneOf(int vertices) {
   static std::map<int, Scene> made;
   const auto [place, is_new] = made.try_emplace(vertices);
@@ -30,7 +30,7 @@ void stepOfBlock(benchmark::State& state, const simd::SimdTarget& target, Solver
   Parameters parameters = scene.parameters;
   parameters.solver = solver;
   const StepInput input{&parameters};
-  store.expect(parameters, false);
+  store.prepare(parameters, false);
   for (auto _ : state) {
     target.kernel.step_block(store.block(0, input, scratch.data()), input, scratch.data());
     benchmark::ClobberMemory();

@@ -1,4 +1,4 @@
-// What a daemon does once before the first step.
+// The sag-free computation, which a daemon does once before the first step.
 #include <benchmark/benchmark.h>
 
 #include <map>

@@ -1,4 +1,4 @@
-// Hair onto the grid of forces between hairs, by backend, on one thread.
+// Splats hair onto the grid of forces between hairs, for each backend, on one thread.
 #include <benchmark/benchmark.h>
 
 #include "air/hair_grid.h"

@@ -1,5 +1,5 @@
 #version 450
-// Copies a buffer: what the memory of the GPU can do at most. Neighbours copy what lies side by side.
+// Copies a buffer to measure the GPU's memory bandwidth. Adjacent invocations access adjacent elements (coalesced).
 layout(local_size_x = 256) in;
 layout(std430, binding = 0) readonly buffer From { vec4 from[]; };
 layout(std430, binding = 1) writeonly buffer To { vec4 to[]; };

@@ -1,5 +1,4 @@
-// A whole client: takes every frame of a daemon and says what it is, also when the daemon goes and comes
-// back.
+// A complete client: takes every frame of a daemon and prints it, across ends and starts of the daemon.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -35,27 +34,28 @@ int main(int argc, char** argv) {
   try {
     if (argc > 3 || (argc > 1 && std::string(argv[1]) == "--help")) {
       std::puts(
-          "usage: reader [DOMAIN [FRAMES]]\nReads the groom 1 in a DDS domain (0), for ever or some frames.");
+          "usage: reader [DOMAIN [FRAMES]]\n"
+          "Reads groom 1 of a DDS domain (default 0), until interrupted or for FRAMES frames.");
       return argc > 3 ? 2 : 0;
     }
     strandcast::DdsOptions options;
     options.domain = argc > 1 ? std::stoi(argv[1]) : 0;
     const int frames = argc > 2 ? std::stoi(argv[2]) : 0;
 
-    // Receives in a thread of its own from now on.
+    // The subscriber receives in its own thread from now on.
     const std::unique_ptr<strandcast::Subscriber> subscriber = strandcast::makeDdsSubscriber(options);
     std::shared_ptr<const strandcast::GroomDescription> groom;
-    std::shared_ptr<const strandcast::GuideFrame> last;  // what is handed out never changes
+    std::shared_ptr<const strandcast::GuideFrame> last;  // returned objects are immutable
     bool was_there = false;
     for (int taken = 0; frames == 0 || taken < frames;) {
       const auto frame = subscriber->waitForNext(last.get(), 500ms);
       const bool is_there = subscriber->status().has_value();
-      if (is_there != was_there) std::puts(is_there ? "a daemon is there" : "no daemon is there");
+      if (is_there != was_there) std::puts(is_there ? "a daemon is present" : "no daemon is present");
       was_there = is_there;
       if (!frame) continue;
       last = frame;
       if (const auto newest = subscriber->groom(); newest != groom) printGroom(*(groom = newest));
-      // A new daemon's groom may be here before its first frame.
+      // The groom of a new daemon may arrive before its first frame.
       if (frame->session != groom->session || frame->revision != groom->revision) continue;
       if (taken++ % 60 == 0) printFrame(*frame, subscriber->statistics());
     }

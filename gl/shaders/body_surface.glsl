@@ -1,7 +1,12 @@
-// How far points are from the surface of a body, by its kind: core/body_surface.inl has the same for the CPU. Needs
-// kernels/rotation.h, kernels/contact.h, kernels/distance_field.h, for bends kernels/surface_bend.h, and shape_words[], the words of ShapeData
-// (core/contact_primitive.h). TURNING: 1 with kinds that have a rotation, whose text is long; 2 with fields that bend too.
+// Signed distance of a point to the surface of a body, by the kind of shape. The CPU's counterpart is
+// core/body_surface.inl.
+// Requires kernels/rotation.h, kernels/contact.h, kernels/distance_field.h, with SHAPE_KINDS 2 kernels/surface_bend.h, and
+// shape_words[], the words of ShapeData (core/contact_primitive.h).
+// SHAPE_KINDS: 0: spheres, capsules, tapered capsules and planes.
+//              1: also the kinds with a rotation: ellipsoids, boxes, convex bodies and distance fields. Their code is long.
+//              2: also fields that bend.
 
+// PrimitiveKind of core/contact_primitive.h; greater kinds are fields. Layout of fields: core/distance_field.h.
 const uint kSphere = 0u, kCapsule = 1u, kPlane = 2u, kTaperedCapsule = 3u, kEllipsoid = 4u, kBox = 5u, kConvex = 6u;
 const uint kBrickSide = 9u, kBrickWords = 365u, kOutsideBrick = 0xFFFFFFFFu, kInsideBrick = 0xFFFFFFFEu;
 
@@ -11,13 +16,14 @@ struct BodyShape {
   float radius, radius_b;
   vec4 rotation;
   vec3 extent;
-  uint data, extra;  // of its shape in shape_words
-#if TURNING > 1
-  float time;  // the part of the step that has passed, 0 to 1
+  // data: word of the shape in shape_words. extra: number of planes of a convex body; word of a field's bend, 0: none.
+  uint data, extra;
+#if SHAPE_KINDS > 1
+  float time;  // fraction of the step that has passed, 0 to 1
 #endif
 };
 
-#if TURNING
+#if SHAPE_KINDS
 float shapeNumber(uint at) { return uintBitsToFloat(shape_words[at]); }
 vec3 shapeVector(uint at) { return vec3(shapeNumber(at), shapeNumber(at + 1u), shapeNumber(at + 2u)); }
 
@@ -31,15 +37,14 @@ float convexDistance(BodyShape body, vec3 x, out vec3 normal) {
   return nearest;
 }
 
-// Number n of eight that stand about a point with these strides: samples of the brick whose words start at `at`, or
-// distances at the corners of bricks.
+// Value n of a brick's samples (`stored`; 16 bits each, words from `at` on), or of the distances at brick corners, m.
 float fieldNumber(bool stored, uint at, uint n) {
   if (!stored) return shapeNumber(at + n);
   uint word = shape_words[at + n / 2u];
   return float(bitfieldExtract(int(word), int(16u * (n & 1u)), 16));
 }
 
-#if TURNING > 1
+#if SHAPE_KINDS > 1
 // The MovingBend (core/surface_bend.h) whose words start at `at`.
 vec3 bendTerm(uint at, float time, uint i) {
   vec3 begin = shapeVector(at + 3u * i);
@@ -54,14 +59,15 @@ float stretchOfBend(uint at) { return shapeNumber(at + 63u); }
 bool isBent(uint kind, uint extra) { return kind > kConvex && extra != 0u; }
 #endif
 
-// Of the field whose words start at `at`: core/body_surface.inl, fieldDistanceAt; core/distance_field.h has the layout.
+// Signed distance, m, to the field whose words start at `at`. As fieldDistanceAt() of core/body_surface.inl; the layout is
+// in core/distance_field.h.
 float fieldDistanceAt(uint at, vec3 x, float clear, out vec3 normal) {
   float cell = shapeNumber(at + 3u), band = shapeNumber(at + 7u), quantum = shapeNumber(at + 8u);
   uvec3 bricks = uvec3(shape_words[at + 4u], shape_words[at + 5u], shape_words[at + 6u]);
   FieldPlace place = fieldPlace(x, shapeVector(at), cell, vec3(bricks));
   uint entry = shape_words[shape_words[at + 9u] + uint(place.brick)];
   normal = vec3(0);
-  if (entry == kOutsideBrick) {  // at most the distance, by what is stored at the brick's nearest corner
+  if (entry == kOutsideBrick) {  // no samples: a lower bound, from the distance stored at the nearest brick corner
     vec3 nearest = floor(place.in_brick + 0.5);
     uvec3 step = uvec3(nearest);
     uint corner = uint(place.corner) + (step.z * (bricks.y + 1u) + step.y) * (bricks.x + 1u) + step.x;
@@ -86,13 +92,13 @@ float fieldDistanceAt(uint at, vec3 x, float clear, out vec3 normal) {
 }
 #endif
 
-// `clear`: m, as far as the point is to be kept from the surface.
+// Signed distance, m, and unit normal at x. `clear`: clearance of the point, m; beyond it a field may return a lower bound.
 float surfaceAt(BodyShape body, vec3 x, float clear, out vec3 normal) {
   float distance, along;
-#if TURNING
+#if SHAPE_KINDS
   if (body.kind >= kEllipsoid) {
     vec3 local = rotateBack(body.rotation, x - body.a);
-#if TURNING > 1
+#if SHAPE_KINDS > 1
     vec3 bent = local;
     Bend bend;
     if (isBent(body.kind, body.extra)) {
@@ -104,7 +110,7 @@ float surfaceAt(BodyShape body, vec3 x, float clear, out vec3 normal) {
     else if (body.kind == kBox) distance = boxDistance(local, body.extent, normal);
     else if (body.kind == kConvex) distance = convexDistance(body, local, normal);
     else distance = fieldDistanceAt(body.data, local, clear, normal);
-#if TURNING > 1
+#if SHAPE_KINDS > 1
     if (isBent(body.kind, body.extra)) {
       normal = bentGradient(bend, bent, normal);
       distance = bentDistance(distance, stretchOfBend(body.extra), normal);

@@ -1,18 +1,19 @@
-// What blows beyond the wind grid, or everywhere without one: air/ambient.h, and sources of wind: air/wind_source.h. Needs
-// air_settings.glsl.
-layout(std430, binding = 13) readonly buffer Turbulence { float turbulence[]; };  // 3 per place of its periodic box
+// Ambient wind, which blows beyond the wind grid or, without a grid, everywhere (air/ambient.h), and sources of wind
+// (air/wind_source.h). Requires air_settings.glsl.
+layout(std430, binding = 13) readonly buffer Turbulence { float turbulence[]; };  // 3 floats per node of the periodic box
 struct Source {
   vec4 position;   // m; w: kind
-  vec4 direction;  // unit; w: 1/s, its rate
-  float radius, reach, cosine, speed;
-  float swirl, per_share, unused_a, unused_b;  // per_share: of a sphere on a grid, as SphereOnGrid has it, m/s
+  vec4 direction;  // unit; w: rate at which it draws air to its velocity, 1/s
+  float radius, reach, cosine, speed;          // m; m; of a cone's half angle; m/s
+  float swirl, per_share, unused_a, unused_b;  // m/s at the radius; m/s, SphereOnGrid::perShare() of a sphere on a grid
 };
 layout(std430, binding = 14) readonly buffer Sources { Source sources[]; };
 
+// Ambient velocity at a point, m/s.
 vec3 ambientAt(vec3 point) {
   const int kBox = 32;
   if (!(air.ambient_mean.w > 0.0)) return air.ambient_mean.xyz;
-  vec3 place = (turnedToBox(point) - air.ambient_carried.xyz) * air.ambient_carried.w, low = floor(place), part = place - low;
+  vec3 place = (toTurbulenceBox(point) - air.ambient_carried.xyz) * air.ambient_carried.w, low = floor(place), part = place - low;
   vec3 eddies = vec3(0);
   for (int c = 0; c < 8; ++c) {
     ivec3 corner = (ivec3(low) + cornerOf(c)) & (kBox - 1);
@@ -20,12 +21,12 @@ vec3 ambientAt(vec3 point) {
     float weight = air.ambient_mean.w * splatWeight(part, float(c & 1), float((c >> 1) & 1), float(c >> 2));
     eddies = madd(vec3(turbulence[at], turbulence[at + 1], turbulence[at + 2]), weight, eddies);
   }
-  return air.ambient_mean.xyz + turnedToBox(eddies);
+  return air.ambient_mean.xyz + toTurbulenceBox(eddies);
 }
 
-const float kCone = 0.0, kSphere = 1.0;  // kinds
+const float kCone = 0.0, kSphere = 1.0;  // WindSource::Kind
 
-// What spheres let out of the cell around a point, m/s.
+// Target divergence of the cell around a point, times the cell's edge, by spheres of wind, m/s.
 float wantedOutflow(vec3 point) {
   float wanted = 0.0;
   for (int i = 0; i < air.sources; ++i)
@@ -34,7 +35,7 @@ float wantedOutflow(vec3 point) {
                 sphereShare(length(point - sources[i].position.xyz) / air.wind_box.w, sources[i].radius / air.wind_box.w);
   return wanted;
 }
-// Whether a source reaches a point, and the velocity that it draws the air there to.
+// Whether a source reaches a point. `velocity`: what it draws the air there to, m/s.
 bool isBlown(Source source, vec3 point, out vec3 velocity) {
   vec3 away = point - source.position.xyz, axis = source.direction.xyz;
   float far = length(away), by = dot(away, axis);

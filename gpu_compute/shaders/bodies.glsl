@@ -1,17 +1,20 @@
-// Contact with the bodies of a step: core/near_bodies.inl and core/strand_sweep.inl have the same for the CPU. Needs
-// step_input.glsl, offsets[] and what gl/shaders/body_surface.glsl needs.
-#if TURNING > 1
+// Contact with the bodies of a step. The CPU's counterparts are core/near_bodies.inl and core/strand_sweep.inl.
+// Requires step_input.glsl, offsets[] and what gl/shaders/body_surface.glsl requires.
+// SHAPE_KINDS: 0: spheres, capsules, tapered capsules and planes.
+//              1: also ellipsoids, boxes, convex bodies and distance fields.
+//              2: also fields that bend.
+#if SHAPE_KINDS > 1
 #include "kernels/surface_bend.h"
 #endif
 #include "gl/shaders/body_surface.glsl"
 
-// From and to: what nearBody() may be asked for, of the bodies that a strand may touch.
+// Range [x, y) of arguments of nearBody() for the bodies that a strand may touch.
 uvec2 nearRange(uint strand) {
   if (settings.neighbourhoods == 0u) return uvec2(0u, settings.body_count);
   uint neighbourhood = offsets[settings.strand_count + 1u + strand];
   return settings.neighbourhoods + 1u + uvec2(near_bodies[neighbourhood], near_bodies[neighbourhood + 1u]);
 }
-// The same of their leaders; without lists of all bodies.
+// The same for the leaders of these bodies. Without near-body lists: the range of all bodies, leaders or not.
 uvec2 leaderRange(uint strand) {
   if (settings.neighbourhoods == 0u) return uvec2(0u, settings.body_count);
   uint starts = settings.neighbourhoods + 1u + near_bodies[settings.neighbourhoods];
@@ -20,25 +23,25 @@ uvec2 leaderRange(uint strand) {
 }
 uint nearBody(uint i) { return settings.neighbourhoods == 0u ? i : near_bodies[i]; }
 
-// How far from every body a vertex must be, m; `velocity`: its entry, in w its rest distance.
+// Clearance of a vertex, m. `velocity`: its entry of velocities[]; w: its distance from bodies at rest, m.
 float clearance(vec4 velocity) { return min(settings.hair_radius, velocity.w); }
 
 float surfaceAt(PlacedBody body, vec3 x, float clear, out vec3 normal) {
   BodyShape shape = BodyShape(body.kind, body.a, body.b, body.radius, body.radius_b, body.rotation, body.extent, body.data,
                               body.extra
-#if TURNING > 1
+#if SHAPE_KINDS > 1
                               , body.time
 #endif
   );
   return surfaceAt(shape, x, clear, normal);
 }
 
-#include "gpu_compute/shaders/touch.glsl"
+#include "gpu_compute/shaders/contact_plane.glsl"
 
-// Where a body takes a point of it in a substep.
+// Position, at the end of the substep, of a point that the body carries.
 vec3 carriedOf(PlacedBody body, vec3 point) {
   vec3 rigidly = carriedBy(point, body.a, body.a_motion, body.turn);
-#if TURNING > 1
+#if SHAPE_KINDS > 1
   if (isBent(body.kind, body.extra)) {
     vec3 local = rotateBack(body.rotation, rigidly - body.a);
     vec3 bent = carriedByBend(bendAt(body.extra, body.time - 1.0 / float(settings.substeps)), bendAt(body.extra, body.time), local);
@@ -48,17 +51,18 @@ vec3 carriedOf(PlacedBody body, vec3 point) {
   return rigidly;
 }
 
-// What this body is to a vertex that goes from `start` to x in the substep; where it is farther than `reach` (m, plus the way),
-// untouched() with at most the gap; see core/strand_sweep.inl. `clear`: how far from the surface x must be, m.
-Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach) {
+// Contact plane of the body and a vertex that goes from `start` to x in the substep; see core/strand_sweep.inl.
+// A body farther than `reach` (m) plus the travel gives noContact() with a lower bound of the gap. `clear`: clearance, m.
+ContactPlane closestContact(PlacedBody body, vec3 x, vec3 start, float clear, float reach) {
   const int kAdvances = 8;
   vec3 carried = carriedOf(body, start);
   vec3 way = x - carried;
   float way2 = dot(way, way);
   vec3 off = x - body.middle;
   float ball = body.ball + reach;
-  if (!(dot(off, off) < madd(ball, ball, way2))) return untouched(x, max(length(off) - body.ball, reach));
-  // One loop for the distances at x, at its start and along its way: the text of surfaceAt() is long, and inlined.
+  if (!(dot(off, off) < madd(ball, ball, way2))) return noContact(x, max(length(off) - body.ball, reach));
+  // One loop evaluates the distance at x (i = 0), at the carried start (i = 1) and along the way, because surfaceAt() is
+  // long and the compiler inlines each call.
   float gap = 0.0, part = 0.0, per_way = inverseSqrt(max(way2, 1e-30));
   vec3 normal = vec3(0), at_normal;
   for (int i = 0; i < kAdvances + 2; ++i) {
@@ -78,5 +82,5 @@ Touch meet(PlacedBody body, vec3 x, vec3 start, float clear, float reach) {
       gap = min(gap, beyond);
     }
   }
-  return Touch(gap, normal, carried, body.friction);
+  return ContactPlane(gap, normal, carried, body.friction);
 }

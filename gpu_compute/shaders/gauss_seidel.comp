@@ -1,9 +1,17 @@
 #version 450
-// variants: THREADS=4 WORKGROUP=32 GROOMED=0 ACCELERATED=1 TURNING=1 | THREADS=32 WORKGROUP=32 GROOMED=1 ACCELERATED=0 TURNING=1 | THREADS=128 WORKGROUP=128 GROOMED=0 ACCELERATED=0 TURNING=2 | THREADS=32 WORKGROUP=32 GROOMED=2 ACCELERATED=0 TURNING=1
-// One step of strands of up to THREADS vertices, all substeps in one dispatch: core/gauss_seidel_sweep.inl with a vertex
-// per invocation, WORKGROUP / THREADS strands per workgroup. Edge i, from vertex i to i + 1, belongs to invocation i.
-// GROOMED: there is a goal pull, or strands have tethers or factors that are not 1; 2 where that of friction differs along strands.
-// ACCELERATED: every vertex has an acceleration of its own. TURNING: see bodies.glsl.
+// variants: THREADS=4 WORKGROUP=32 GROOMED=0 ACCELERATED=1 SHAPE_KINDS=1 | THREADS=32 WORKGROUP=32 GROOMED=1 ACCELERATED=0 SHAPE_KINDS=1 | THREADS=128 WORKGROUP=128 GROOMED=0 ACCELERATED=0 SHAPE_KINDS=2 | THREADS=32 WORKGROUP=32 GROOMED=2 ACCELERATED=0 SHAPE_KINDS=1
+// PBD solver (gauss_seidel): one step of the strands of a group, all substeps in one dispatch. The CPU's counterpart is
+// core/gauss_seidel_sweep.inl.
+// Reads: settings, bones, bodies, rest shape, external accelerations. Writes: positions, velocities, guides.
+// One invocation per vertex, WORKGROUP / THREADS strands per workgroup. Edge i, from vertex i to i + 1, belongs to the
+// invocation of vertex i.
+// THREADS: invocations per strand, a power of 2 from 4 to 128; at least the strand's vertices.
+// WORKGROUP: invocations per workgroup, max(32, THREADS).
+// GROOMED: 0: no goal, no tethers, all grooming factors are 1.
+//          1: some strands have them.
+//          2: and the factor of friction differs along strands.
+// ACCELERATED: 0, 1: every vertex has an external acceleration.
+// SHAPE_KINDS: 1 or 2, see bodies.glsl.
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -21,19 +29,19 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/grooming.glsl"
 #endif
 
-layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz; w is the rod's
-layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz; w: rest distance from bodies
-layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, inverse mass; see bonePoint
-layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };     // xyz, rest length
-layout(std430, binding = 5) readonly buffer Order { uint order[]; };            // strands by group
-layout(location = 0) uniform uint first_strand;  // of this group, in order[]
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz, m; w: tension of the rod, unused here
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz, m/s; w: distance from bodies at rest, m
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, m; w: inverse mass; see bonePoint()
+layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };     // xyz: restEdges(), m; w: rest length, m
+layout(std430, binding = 5) readonly buffer Order { uint order[]; };            // strand numbers, sorted by group
+layout(location = 0) uniform uint first_strand;  // of this group: index in order[]
 layout(location = 1) uniform uint strands_in_group;
 
 shared vec4 shared_position[WORKGROUP];    // w: inverse mass
-shared vec4 shared_frame[2][WORKGROUP];    // two banks, so that a scan step needs one barrier
+shared vec4 shared_frame[2][WORKGROUP];    // two banks: a scan step needs one barrier
 
-// The rotation that the strand holds the rest edge of invocation k's edge with: the product of the transports over all
-// edges before it and the root's rotation, by a scan that keeps their order.
+// Rotation that takes the rest edge k to its target direction: the product of the parallel transports over all edges
+// before it and the root's rotation. An inclusive scan that keeps the order of the factors.
 vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
   vec3 tangent = rotate(root, vec3(0, 0, 1)), before = tangent;
   vec3 previous = shared_position[k >= 1 ? me - 1u : me].xyz;
@@ -52,18 +60,19 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
   return frame;
 }
 
-// clear: how far from every body the vertex must be, m, where those that cover its root let it.
+// Position of the vertex after contact with the deepest body. `clear`: clearance, m, which clearanceOf() reduces for bodies
+// that cover the root.
 vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, Cover cover, float arc_length, float friction_scale, int substep) {
-  Touch touch = untouched(x, contactReach());
+  ContactPlane plane = noContact(x, contactReach());
   uvec2 range = nearRange(strand);
   for (uint i = range.x; i < range.y; ++i) {
     float own_clear = clearanceOf(cover, i - range.x, clear, arc_length);
-    Touch own = meet(bodyAt(nearBody(i), substep), x, start, own_clear, contactReach());
-    if (own.gap < touch.gap) touch = own;
+    ContactPlane own = closestContact(bodyAt(nearBody(i), substep), x, start, own_clear, contactReach());
+    if (own.gap < plane.gap) plane = own;
   }
-  if (touch.gap >= 0.0) return x;
+  if (plane.gap >= 0.0) return x;
   vec3 force = vec3(0);
-  return resolveContact(x, touch.carried, touch.normal, touch.gap, touch.friction * friction_scale, 1.0, force);
+  return resolveContact(x, plane.carried, plane.normal, plane.gap, plane.friction * friction_scale, 1.0, force);
 }
 
 void main() {
@@ -72,7 +81,7 @@ void main() {
   int k = int(me) % THREADS;
   uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   uint slot = workgroup * strands_per_workgroup + me / uint(THREADS);
-  // Invocations past the last strand or the last vertex go along with copies, because every one must reach each barrier.
+  // Invocations past the last strand or the last vertex work on copies, because all must reach every barrier.
   bool exists = slot < strands_in_group;
   uint strand = order[first_strand + min(slot, strands_in_group - 1u)];
   uint first = offsets[strand];
@@ -123,12 +132,12 @@ void main() {
     barrier();
 
     for (uint iteration = 0u; iteration < settings.iterations; ++iteration) {
-      vec4 frame = frameOfEdge(k, me, x, root);  // has barriers: all have read before any writes below
+      vec4 frame = frameOfEdge(k, me, x, root);  // its barriers separate these reads from the writes below
       vec3 target = rotate(frame, edge.xyz);
       for (int color = 0; color < 3; ++color) {
         if (has_edge && k % 3 == color) {
           vec4 a = shared_position[me], b = shared_position[me + 1u];
-          vec4 before = vec4(a.xyz - rotate(root, vec3(0, 0, 1)), 0);  // the root frame stands before the first edge
+          vec4 before = vec4(a.xyz - rotate(root, vec3(0, 0, 1)), 0);  // the root frame is the edge before the first
           if (k > 0) before = shared_position[me - 1u];
           solveAngular(before.xyz, a.xyz, b.xyz, before.w, a.w, b.w, target, strength);
           if (k > 0) shared_position[me - 1u] = before;

@@ -1,12 +1,14 @@
-// Factors of what the settings have for all hair, and tethers (kernels/grooming.h). Needs step_input.glsl.
+// Grooming factors, which multiply the settings of all hair, and tethers (kernels/grooming.h). Requires step_input.glsl.
+// GROOMED: 1: factors of friction and damping time are constant along each strand.
+//          2: they may differ along strands.
 
-// At a strand's root: factors of friction and of the damping time. At its other vertices: factors of air drag and of the
-// goal's rate, length of the tether (m). Where factors of friction and of the damping time differ along strands (GROOMED is 2), those of every
-// vertex, and of the joint there, are behind all that.
+// One entry per vertex. At a strand's root: factors of friction (x) and of the damping time (y). At its other vertices:
+// factors of air drag (x) and of the goal's rate (y), and the length of the tether (z, m). GROOMED 2: the second half of
+// the buffer holds the factors of friction (x) and damping time (y) of each vertex and its joint.
 layout(std430, binding = 13) readonly buffer Grooming { vec4 grooming[]; };
 
 float airDragOf(uint vertex) { return settings.air_drag * grooming[vertex].x; }
-// As DragStep has them.
+// DragStep::keep and DragStep::time2 (core/drag_step.h) with the vertex's air drag.
 float keepOf(uint vertex) { return exp(-airDragOf(vertex) * settings.substep); }
 float time2Of(uint vertex) {
   const float x = airDragOf(vertex) * settings.substep;

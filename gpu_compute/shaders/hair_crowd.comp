@@ -1,14 +1,19 @@
 #version 450
 // variants: MEASURE=0 | MEASURE=1
-// How much denser than at rest hair is where samples are, and mass x that to the nodes around them. MEASURE: the density
-// there is that at rest.
+// Crowding of samples (pressure of hair that is denser than at rest, see crowding() of kernels/grid.h), splatted as
+// mass x crowding to the nodes.
+// Reads: densities, positions of samples on the grid, masses and rest densities of samples.
+// Writes: sums per node, in fixed point; the held crowding of samples.
+// One workgroup per tile of samples, one invocation per sample.
+// MEASURE: 0: computes and splats.
+//          1: only stores the present density as the rest density of each sample.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
 #include "gpu_compute/shaders/sample_tile.glsl"
 #include "gpu_compute/shaders/hair_samples.glsl"
-layout(std430, binding = 0) buffer Resting { vec2 resting[]; };  // per sample: kg; kg/m^3, its density at rest
-layout(std430, binding = 1) buffer Held { float held[]; };       // heldCrowding, per sample
+layout(std430, binding = 0) buffer Resting { vec2 resting[]; };  // per sample: mass, kg; density at rest, kg/m^3
+layout(std430, binding = 1) buffer Held { float held[]; };       // per sample: heldCrowding()
 layout(std430, binding = 8) buffer CrowdSums { int crowd_sums[]; };
 layout(std430, binding = 11) readonly buffer Densities { float densities[]; };
 #define NUMBERS 1u

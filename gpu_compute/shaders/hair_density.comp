@@ -1,5 +1,8 @@
 #version 450
-// From sums to numbers per volume: momentum and mass as they were splatted, and the density, which is the mass blurred.
+// Converts the sums of hair_splat.comp to quantities per volume: momentum and mass as splatted, and the density, which is
+// the mass blurred by (1 2 1) / 4 along each axis.
+// Reads: sums per node. Writes: momentum and mass per volume, densities; clears the sums of hair_crowd.comp.
+// One invocation per node of the hair grid.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
@@ -7,7 +10,7 @@
 #include "gpu_compute/shaders/hair_tile.glsl"
 layout(std430, binding = 7) readonly buffer Sums { ivec4 sums[]; };
 layout(std430, binding = 8) buffer CrowdSums { int crowd_sums[]; };
-layout(std430, binding = 9) writeonly buffer Nodes { vec4 nodes[]; };         // kg/(m^2 s), kg/m^3
+layout(std430, binding = 9) writeonly buffer Nodes { vec4 nodes[]; };         // xyz: kg/(m^2 s); w: kg/m^3
 layout(std430, binding = 10) writeonly buffer Densities { float densities[]; };  // kg/m^3
 
 #define SIDE (TILE + 2)
@@ -22,7 +25,7 @@ void main() {
     here[n] = isInside(node) ? density * float(sums[nodeAt(node)].w) : 0.0;
   }
   barrier();
-  // What is read past the block is beyond what is used at last.
+  // Values at the block's rim are wrong, since their neighbours are clamped, but the result does not use them.
   for (int n = me; n < SIDE * SIDE * SIDE; n += INVOCATIONS)
     there[n] = blurred(here[max(n - 1, 0)], here[n], here[min(n + 1, SIDE * SIDE * SIDE - 1)]);
   barrier();
@@ -35,5 +38,5 @@ void main() {
   densities[at] = blurred(here[own - SIDE * SIDE], here[own], here[own + SIDE * SIDE]);
   ivec4 sum = sums[at];
   nodes[at] = vec4(vec3(sum.xyz) * flow, float(sum.w) * density);
-  crowd_sums[at] = 0;  // for what comes next
+  crowd_sums[at] = 0;  // for hair_crowd.comp
 }

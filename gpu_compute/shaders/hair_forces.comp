@@ -1,7 +1,12 @@
 #version 450
 // variants: CROWDS=1 RUBS=1 | CROWDS=0 RUBS=1 | CROWDS=1 RUBS=0
-// How hair at a node changes its velocity over the step: the push down the gradient of density, and friction towards the
-// mean. out[3]: what is to be taken of its own velocity. CROWDS, RUBS: what there is.
+// Change of velocity of hair at a node over the step: pressure along the density gradient, and friction towards the mean
+// velocity. hair_gather.comp applies it to vertices.
+// Reads: momentum and mass per volume, densities, sums of hair_crowd.comp.
+// Writes: changes, xyz: m/s; w: the fraction of a sample's own velocity to subtract. Clears the sums of hair_splat.comp.
+// One invocation per node of the hair grid.
+// CROWDS: 0, 1: pressure is on (volume_stiffness > 0).
+// RUBS: 0, 1: friction is on (hair_friction > 0).
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
@@ -18,7 +23,7 @@ shared float here[NUMBERS];
 shared float there[NUMBERS];
 shared uint any_hair;
 
-// Blurs `here` along x, y and z, back into `here`; SIDE is wide enough for one gradient of what comes out.
+// Blurs `here` along x, y and z into `there`. SIDE leaves a margin for one central difference of the result.
 void blur() {
   int me = int(gl_LocalInvocationIndex);
   barrier();

@@ -1,8 +1,14 @@
 #version 450
 // variants: FORCES=1 AIR=2 RATES=0 ALONG=0 | FORCES=0 AIR=1 RATES=1 ALONG=1 | FORCES=1 AIR=0 RATES=0 ALONG=0 | FORCES=1 AIR=2 RATES=1 ALONG=1
-// From the grids to an acceleration per vertex: what samples feel, then parts of that of the edges before and behind a vertex.
-// FORCES: between hairs. AIR: 0 uniform, 1 as it blows with nothing in the way, 2 on the grid. RATES: vertices have drags of
-// their own. ALONG: drag along strands is less.
+// External accelerations of vertices from the grids. First of samples; then each vertex gets the means over the samples of
+// the edges before and after it, weighted by mass.
+// Reads: samples, changes of hair_forces.comp, cell-centre velocities of the wind grid or ambient wind and sources.
+// Writes: an acceleration per vertex, m/s^2; rotates the largest velocities of hair_samples.glsl for the next step.
+// One workgroup per tile of samples; one invocation per sample, then per vertex.
+// FORCES: 0, 1: there are forces between hairs.
+// AIR: 0: uniform wind. 1: ambient wind and sources, unobstructed. 2: wind grid.
+// RATES: 0, 1: each vertex has its own drag rate.
+// ALONG: 0, 1: drag along strands is less than across.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
@@ -12,15 +18,15 @@
 layout(std430, binding = 7) readonly buffer Rates { float rates[]; };       // 1/s per vertex
 layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };    // 3 per vertex, m/s^2
 layout(std430, binding = 11) readonly buffer Changes { vec4 changes[]; };   // m/s
-layout(std430, binding = 12) readonly buffer Centres { vec4 centres[]; };   // m/s, of the wind's cells
+layout(std430, binding = 12) readonly buffer Centres { vec4 centres[]; };   // m/s, at centres of the wind's cells
 
-// What samples feel. RATES: its parts, else only the acceleration that they come to.
+// Vectors stored per sample: with RATES the parts of Felt, else the acceleration that they sum to.
 #if RATES
 #define VECTORS 3u
 #else
 #define VECTORS 1u
 #endif
-shared float of_samples[3u * VECTORS * uint(TILE_SAMPLES)];  // along strands
+shared float of_samples[3u * VECTORS * uint(TILE_SAMPLES)];  // samples in the order along strands
 void put(uint vector, uint sample_, vec3 value) {
   for (uint c = 0u; c < 3u; ++c) of_samples[(3u * vector + c) * uint(TILE_SAMPLES) + sample_] = value[c];
 }
@@ -30,9 +36,9 @@ vec3 got(uint vector, uint sample_) {
 }
 
 struct Felt {
-  vec3 pushed;    // m/s^2
-  vec3 local;     // m/s, of the air beyond the uniform wind
-  vec3 not_felt;  // m/s: x rate, see dragNotFelt
+  vec3 pushed;    // m/s^2, by forces between hairs
+  vec3 local;     // m/s, velocity of the air less the uniform wind, which the solver applies itself
+  vec3 not_felt;  // m/s; times the drag rate: see dragNotFelt()
 };
 
 #define CORNERS(of)                                                                                          \
@@ -41,7 +47,7 @@ struct Felt {
 
 bool isFinite(vec3 v) { return !any(isnan(v)) && !any(isinf(v)); }
 
-// `root`: of its strand.
+// `root`: first vertex of the sample's strand.
 Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
   Felt felt = Felt(vec3(0), vec3(0), vec3(0));
   vec3 at = placeOf(sample_), motion = motionOf(sample_), wind = air.uniform_wind.xyz;
@@ -73,11 +79,12 @@ Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
 #if ALONG
   felt.not_felt = dragNotFelt(wind - motion, directionOfPiece(chordOf(tile, root, piece)), 1.0, air.uniform_wind.w);
 #endif
-  // Of a strand that went wrong, or left the grid.
+  // Not finite: the strand diverged or left the grid.
   if (!isFinite(felt.pushed + felt.local + felt.not_felt)) felt = Felt(vec3(0), vec3(0), vec3(0));
   return felt;
 }
 
+// Acceleration, m/s^2, at a drag rate in 1/s.
 vec3 accelerationBy(Felt felt, float rate) {
   return madd(felt.local - felt.not_felt, rate, felt.pushed);
 }
@@ -90,7 +97,7 @@ void keep(uint sample_, Felt felt) {
   put(0u, sample_, accelerationBy(felt, air.drag));
 #endif
 }
-// By a vertex that has the drag `rate`.
+// Acceleration of a stored sample for a vertex with drag `rate`, 1/s.
 vec3 accelerationOf(uint sample_, float rate) {
 #if RATES
   return accelerationBy(Felt(got(0u, sample_), got(1u, sample_), got(2u, sample_)), rate);
@@ -98,7 +105,7 @@ vec3 accelerationOf(uint sample_, float rate) {
   return got(0u, sample_);
 #endif
 }
-// What the samples of an edge come to, each as much as it has to do with the edge's end, or its start.
+// Mean acceleration of an edge's samples, weighted by their nearness to the edge's end (`end`) or to its start.
 vec3 ofEdge(SampleTile tile, uint strand, uint edge, bool end, float rate) {
   uint first = strand * (tile.pieces + tile.margin) + pieceOfEdge(tile, edge) + tile.margin - tile.first_piece;
   if (tile.parts == 1u) return accelerationOf(first, rate);
@@ -115,6 +122,7 @@ void main() {
   SampleTile tile = tiles[workgroupNumber()];
   uint me = gl_LocalInvocationIndex, pieces = tile.pieces + tile.margin, first = workgroupNumber() * uint(TILE_SAMPLES);
   if (first + me == 0u) {  // for the next step
+    // Only now: momentumScale() of the earlier passes used the old value.
     fastest_before = fastest_now;
     fastest_now = 0u;
   }
@@ -123,7 +131,7 @@ void main() {
     keep(strand * pieces + tile.margin + piece,
          feltBy(tile, roots[tile.first_strand + strand], tile.first_piece + piece, first + me));
   }
-  if (tile.margin > 0u) {  // the last pieces of the tile before
+  if (tile.margin > 0u) {  // the last pieces of the same strands, in the tile before
     uint pieces_before = tiles[workgroupNumber() - 1u].pieces;
     for (uint n = me; n < pieces_before * tile.strands; n += uint(TILE_SAMPLES)) {
       uint from = first - uint(TILE_SAMPLES) + n, strand = order[from] & 0xFFFFu, piece = order[from] >> 16u;
@@ -137,7 +145,7 @@ void main() {
   uint first_vertex = edgeOf(tile, tile.first_piece);
   uint vertices = edgeOf(tile, tile.first_piece + tile.pieces) + (has_tips ? 1u : 0u) - first_vertex;
   for (uint n = me; n < vertices * tile.strands; n += uint(TILE_SAMPLES)) {
-    uvec2 at = divided(n, vertices);  // strand and vertex
+    uvec2 at = divided(n, vertices);  // x: strand, y: vertex
     uint strand = at.x, edge = first_vertex + at.y, vertex = roots[tile.first_strand + strand] + edge;
     float before = edge > 0u ? edge_masses[vertex - 1u].y : 0.0, behind = edge < tile.edges ? edge_masses[vertex].x : 0.0;
 #if RATES

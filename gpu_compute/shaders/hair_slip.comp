@@ -1,12 +1,16 @@
 #version 450
-// Which way hair lies, by its part of the drag, to the nodes around its samples: HairGrid::slipNodes() of air/hair_grid.h as whole numbers,
-// part after part. After the splat, with the same masses.
+// Splats the directions of hair, weighted by its share of the drag, for air that slips along hair: HairGrid::slipNodes() of
+// air/hair_grid.h in fixed point. Runs after hair_splat.comp, with the same masses.
+// Reads: positions, edge masses, positions on the grid and velocities of samples.
+// Writes: sums, two parts of 4 numbers per node: mass x t dot(t, velocity) and mass x t_x^2; then mass x t_y^2, t_y t_z,
+// t_x t_z, t_x t_y, with the direction t.
+// One workgroup per tile of samples, one invocation per sample.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
 #include "gpu_compute/shaders/sample_tile.glsl"
 #include "gpu_compute/shaders/hair_samples.glsl"
-layout(std430, binding = 7) buffer Sums { int sums[]; };  // 4 per node
+layout(std430, binding = 7) buffer Sums { int sums[]; };  // 4 per node and part, parts one after the other
 #define NUMBERS 4u
 #define SUMS sums
 #include "gpu_compute/shaders/hair_spread.glsl"
@@ -23,7 +27,7 @@ void main() {
     spots[me] = vec4(t, sampleOf(tile, root, piece).mass);
   }
   barrier();
-  // From the order along strands to that in which they are neighbours.
+  // Permutes the samples from the order along strands to the order in which neighbours in space are adjacent.
   vec3 at = vec3(-1);
   vec4 parts[2] = vec4[2](vec4(0), vec4(0));
   if (me < count) {

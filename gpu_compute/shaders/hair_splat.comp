@@ -1,12 +1,17 @@
 #version 450
 // variants: MEASURE=0 | MEASURE=1
-// Mass and momentum of samples to the nodes around them. MEASURE: only finds the largest velocity.
+// Splats mass and momentum of the samples to the hair grid.
+// Reads: positions, velocities, edge masses, the last step's largest velocity.
+// Writes: sums per node, in fixed point; positions on the grid and velocities of samples; this step's largest velocity.
+// One workgroup per tile of samples, one invocation per sample.
+// MEASURE: 0: splats.
+//          1: only finds the largest velocity component, before the first splat.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
 #include "gpu_compute/shaders/sample_tile.glsl"
 #include "gpu_compute/shaders/hair_samples.glsl"
-layout(std430, binding = 7) buffer Sums { int sums[]; };  // 4 per node: momentum, mass
+layout(std430, binding = 7) buffer Sums { int sums[]; };  // 4 per node, fixed point: momentum, mass
 #if !MEASURE
 #define NUMBERS 4u
 #define SUMS sums
@@ -16,7 +21,7 @@ layout(std430, binding = 7) buffer Sums { int sums[]; };  // 4 per node: momentu
 shared uint fastest;
 
 void main() {
-  const float kSane = 1e4;  // m/s
+  const float kSane = 1e4;  // m/s; faster samples are taken for errors and left out
   if (workgroupNumber() >= air.tiles) return;
   SampleTile tile = tiles[workgroupNumber()];
   if (gl_LocalInvocationIndex == 0u) fastest = 0u;
@@ -40,7 +45,7 @@ void main() {
 #if MEASURE
   if (me == 0u) atomicMax(fastest_before, fastest);
 #else
-  // From the order along strands to that in which they are neighbours.
+  // Permutes the samples from the order along strands to the order in which neighbours in space are adjacent.
   uint sample_ = workgroupNumber() * uint(TILE_SAMPLES) + me;
   vec4 found = vec4(-1);
   vec3 motion = vec3(0);

@@ -1,21 +1,26 @@
-// What a workgroup spreads to the nodes around its samples, NUMBERS per node, in whole numbers, so that sums do not depend on
-// their order. An invocation has one number of one of the eight nodes around a place and goes from sample to sample: those are
-// neighbours, so that it mostly stays at its node, and only where it leaves is anything added to memory, by invocations side
-// by side to numbers side by side. Needs SUMS, where they go.
-shared vec4 spots[TILE_SAMPLES];       // where samples are between nodes; w is free
-shared int first_nodes[TILE_SAMPLES];  // of the eight around a sample. Not as bits of a float: GPUs may flush denormals
+// Trilinear splat of a workgroup's samples to the eight nodes around each, NUMBERS values per node, in fixed point, so that
+// sums do not depend on their order.
+// Each invocation owns one value of one of the eight corners and loops over samples. Consecutive samples are neighbours in
+// space, so it accumulates in a register while the node stays the same; only a change of node costs an atomic add.
+// Neighbouring invocations add to adjacent memory.
+// NUMBERS: values per node, 1 to 4. SUMS: the buffer that receives the sums.
+shared vec4 spots[TILE_SAMPLES];       // xyz: position of a sample between nodes, 0 to 1; w: unused
+shared int first_nodes[TILE_SAMPLES];  // lowest node around a sample. Not as bits of a float: GPUs may flush denormals
 shared float values[NUMBERS * uint(TILE_SAMPLES)];
 
+// Sets the values of a sample at a grid place.
 void put(uint sample_, GridPlace corner, vec4 value) {
   spots[sample_] = vec4(corner.part, 0);
   first_nodes[sample_] = nodeAt(ivec3(corner.low));
   for (uint number = 0u; number < NUMBERS; ++number) values[NUMBERS * sample_ + number] = value[number];
 }
+// Sets the values of a sample to 0.
 void leaveOut(uint sample_) {
   spots[sample_] = vec4(0);
   first_nodes[sample_] = 0;
   for (uint number = 0u; number < NUMBERS; ++number) values[NUMBERS * sample_ + number] = 0.0;
 }
+// Splats samples 0 to count - 1. After a barrier; by all invocations.
 void spread(uint count) {
   const uint together = 8u * NUMBERS, groups = uint(TILE_SAMPLES) / together;
   uint me = gl_LocalInvocationIndex, group = me / together, number = me % NUMBERS;

@@ -1,11 +1,11 @@
-// A symmetric pentadiagonal system along a strand, a row per edge, with x, y and z as right-hand sides: in 2 x 2 blocks it
-// is block tridiagonal. Where it has two blocks an invocation eliminates the inner; the outer ones of neighbours are solved by
-// parallel cyclic reduction. Needs strand_threads.glsl.
+// A symmetric pentadiagonal system along a strand, one row per edge, with right-hand sides for x, y and z. In 2 x 2 blocks
+// it is block tridiagonal. An invocation with two blocks (PER_THREAD 4) eliminates the inner one; parallel cyclic
+// reduction solves the system of the outer blocks. Requires strand_threads.glsl.
 
-// Symmetric 2 x 2 matrices are (00, 01, 11), others (00, 01, 10, 11).
+// Storage: a symmetric 2 x 2 matrix is (00, 01, 11), a general one (00, 01, 10, 11).
 
-// By pivots and not by the determinant: a stiff strand's blocks are nearly singular, and the rounding of a determinant would
-// act on all entries. Blocks are positive definite; the bounds hold where rounding says otherwise.
+// Inverse by pivots, not by the determinant: blocks of stiff strands are nearly singular, and the rounding of a determinant
+// would spread to all entries. Blocks are positive definite; the lower bounds of the pivots guard against rounding.
 vec3 inverseOf(vec3 s) {
   float first = 1.0 / max(s.x, 1e-30);
   float factor = s.y * first;
@@ -24,7 +24,7 @@ vec4 product(vec4 a, vec4 b) {
 vec4 transposedTimes(vec4 a, vec4 b) {
   return vec4(a.x * b.x + a.z * b.z, a.x * b.y + a.z * b.w, a.y * b.x + a.w * b.z, a.y * b.y + a.w * b.w);
 }
-// Of products that are symmetric: transpose(a) b and a transpose(b).
+// Products that are known to be symmetric: transpose(a) b and a transpose(b).
 vec3 symmetricTN(vec4 a, vec4 b) {
   return vec3(a.x * b.x + a.z * b.z, a.x * b.y + a.z * b.w, a.y * b.y + a.w * b.w);
 }
@@ -33,8 +33,8 @@ vec3 symmetricNT(vec4 a, vec4 b) {
 }
 
 #if THREADS > 1
-// The outer blocks: own diagonal d, coupling `c` to the block before (its transpose couples that one to this), right-hand
-// sides f0, f1.
+// Parallel cyclic reduction of the outer blocks. d: diagonal block. c: coupling to the block before; its transpose couples
+// that block to this one. f0, f1: right-hand sides of the two rows.
 void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
   for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     int distance = 1 << doubling;
@@ -42,7 +42,7 @@ void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
     send_b(vec4(f0, c.y));
     send_c(vec4(f1, c.z));
     send_d(c.w);
-    rendezvous();
+    exchangeBarrier();
     uint inner = before(distance), outer = after(distance);
     vec4 a = received_a(inner), b = received_b(inner), e = received_c(inner);
     float w = received_d(inner);
@@ -55,7 +55,7 @@ void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
     b = received_b(outer);
     e = received_c(outer);
     w = received_d(outer);
-    release();
+    swapBank();
     vec4 up = select(hasAfter(distance), vec4(a.w, e.w, b.w, w), vec4(0));
     from = timesSymmetric(up, a.xyz);
     d -= symmetricNT(from, up);
@@ -65,8 +65,8 @@ void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
 }
 #endif
 
-// Solves in place of f. first[p] couples rows p and p + 1, second[p] rows p and p + 2. across: what couples row 0 to the
-// last but one and to the last row of the invocation before, and row 1 to its last.
+// Solves in place of f. first[p] couples rows p and p + 1; second[p] couples rows p and p + 2. across: couplings to the
+// invocation before: row 0 to its last row but one (x), row 0 to its last row (y), row 1 to its last row (z).
 void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD], vec3 across,
                         inout vec3 f[PER_THREAD]) {
   vec4 coupling = select(hasBefore(1), vec4(across.x, across.y, 0, across.z), vec4(0));
@@ -89,10 +89,10 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
   send_a(vec4(y0 * coupling.x + y1 * coupling.z, folded.x));
   send_b(vec4(y0 * coupling.y + y1 * coupling.w, folded.y));
   send_d(folded.z);
-  rendezvous();
+  exchangeBarrier();
   vec4 a = received_a(after(1)), b = received_b(after(1));
   float w = received_d(after(1));
-  release();
+  swapBank();
   d -= select(hasAfter(1), vec3(a.w, b.w, w), vec3(0));
   f0 -= select(hasAfter(1), a.xyz, vec3(0));
   f1 -= select(hasAfter(1), b.xyz, vec3(0));
@@ -104,28 +104,28 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
 #if THREADS > 1
   send_a(vec4(f[2], 0));
   send_b(vec4(f[3], 0));
-  rendezvous();
+  exchangeBarrier();
   before0 = select(hasBefore(1), received_a(before(1)).xyz, vec3(0));
   before1 = select(hasBefore(1), received_b(before(1)).xyz, vec3(0));
-  release();
+  swapBank();
 #endif
   f[0] = y0 - (before0 * to_before.x + before1 * to_before.y) - (f[2] * to_outer.x + f[3] * to_outer.y);
   f[1] = y1 - (before0 * to_before.z + before1 * to_before.w) - (f[2] * to_outer.z + f[3] * to_outer.w);
 #endif
 }
 
-// What a solution x leaves of the right-hand sides f.
+// Residual: subtracts the matrix times x from the right-hand sides f, in place.
 void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD], vec3 across,
               vec3 x[PER_THREAD], inout vec3 f[PER_THREAD]) {
   vec3 onto_before = x[0] * across.x;
   send_a(vec4(x[kLast - 1], onto_before.x));
   send_b(vec4(x[kLast], onto_before.y));
   send_c(vec4(x[0] * across.y + x[1] * across.z, onto_before.z));
-  rendezvous();
+  exchangeBarrier();
   vec3 before0 = received_a(before(1)).xyz, before1 = received_b(before(1)).xyz;
   vec3 onto0 = vec3(received_a(after(1)).w, received_b(after(1)).w, received_c(after(1)).w);
   vec3 onto1 = received_c(after(1)).xyz;
-  release();
+  swapBank();
   if (hasBefore(1)) {
     f[0] -= before0 * across.x + before1 * across.y;
     f[1] -= before1 * across.z;

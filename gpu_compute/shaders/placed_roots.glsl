@@ -1,6 +1,6 @@
-// Where roots move in the substeps of a dispatch, without bodies: the invocations of a strand work out THREADS substeps at once, one each,
-// and share them. Needs rod_strand.glsl and root_motion.glsl.
-shared vec4 root_position[WORKGROUP];  // w: x, y, z of the jump
+// Root motion in the substeps of a dispatch without bodies. The invocations of a strand compute the motion of THREADS
+// substeps at once, one substep each, and share them. Requires rod_strand.glsl and root_motion.glsl.
+shared vec4 root_position[WORKGROUP];  // w of this and the next two: x, y, z of the jump
 shared vec4 root_tangent[WORKGROUP];
 shared vec4 root_swing[WORKGROUP];
 shared vec4 root_frame[WORKGROUP];
@@ -11,9 +11,9 @@ shared float root_spin[WORKGROUP];
 shared vec4 root_rotation[WORKGROUP];
 #endif
 
-// For the substeps from `first` on.
+// Computes the root motion of the THREADS substeps from `first` on. All invocations of the workgroup must call it.
 void placeRoots(int first) {
-  barrier();  // nobody reads those before any more
+  barrier();  // all have read the previous substeps' motion
   const int substep = first + rank;
   if (substep < end_substep) {
     const RootMotion root =
@@ -32,7 +32,7 @@ void placeRoots(int first) {
   barrier();
 }
 
-// Of the substep that is `ahead` of the first of those placed last and ends at `time`.
+// Root motion of the substep `ahead` after the first one of the last placeRoots(). `time`: fraction of the step at its end.
 RootMotion placedRoot(int ahead, float time) {
   const uint at = me - uint(rank) + uint(ahead);
   const vec4 a = root_position[at], b = root_tangent[at], c = root_swing[at];

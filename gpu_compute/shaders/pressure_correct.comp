@@ -1,7 +1,11 @@
 #version 450
 // variants: CELLS=64 | CELLS=16 | CELLS=128
-// Back from modes along x: the preconditioned residual, and its image under the pressure's system, which knows of bodies. A
-// workgroup has a bundle of lines along x, and those around it.
+// Preconditioner, second half: transforms back from modes along x to the preconditioned residual (the correction), and
+// multiplies it by the pressure system's matrix, bodies included.
+// Reads: planes of pressure_modes.comp, matrices, masks, residuals. Writes: corrections, their images under the system's
+// matrix, and per workgroup the dot products of corrections with residuals and with images.
+// One workgroup per bundle of OWN_Y x OWN_Z lines along x; it also computes the lines around them.
+// CELLS: see pressure_solve.glsl.
 #define INVOCATIONS 512
 #define MATRICES 2
 layout(local_size_x = INVOCATIONS) in;
@@ -10,7 +14,8 @@ layout(local_size_x = INVOCATIONS) in;
 layout(std430, binding = 4) readonly buffer Residuals { float residuals[]; };
 layout(std430, binding = 7) writeonly buffer Corrections { float corrections[]; };
 layout(std430, binding = 8) writeonly buffer CorrectionImages { float correction_images[]; };
-layout(std430, binding = 9) writeonly buffer Products { vec2 partial_products[]; };  // of corrections with residuals and images
+// Per workgroup: dot products of corrections with residuals (x) and with images (y).
+layout(std430, binding = 9) writeonly buffer Products { vec2 partial_products[]; };
 layout(std430, binding = 12) readonly buffer Planes { float planes[]; };  // see pressure_modes.comp
 
 // kBundleY and kBundleZ of gpu_compute/pressure_passes.cc.
@@ -19,7 +24,7 @@ layout(std430, binding = 12) readonly buffer Planes { float planes[]; };  // see
 #define SIDE (OWN_Y + 2)
 #define LINES (SIDE * (OWN_Z + 2))
 #define PITCH (LINES | 1)
-shared float values[CELLS * PITCH];  // modes, then places
+shared float values[CELLS * PITCH];  // per line: modes, later cells
 
 void main() {
   if (solve.done != 0) return;

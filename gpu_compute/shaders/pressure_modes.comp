@@ -1,21 +1,26 @@
 #version 450
 // variants: CELLS=64 | CELLS=16 | CELLS=128
-// The pressure that would have the residual as its right-hand side if there were no bodies, in modes along x: a workgroup has
-// one mode along x and half of those along y and z. And whether the residual is small enough.
+// Preconditioner, first half: transforms the residual's modes along x to modes along y and z, divides by the eigenvalues of
+// the box without bodies, and transforms back along y and z. Also tests for convergence.
+// Reads: modes of pressure_step.comp, matrices, eigenvalues, the largest residual.
+// Writes: planes for pressure_correct.comp; iterations, residual and done of the solve.
+// One workgroup per mode along x (x) and parity pair along y and z (y, 4 of them).
+// CELLS: see pressure_solve.glsl.
 #define INVOCATIONS 256
 #define MATRICES (HALF <= 32 ? 4 : 1)
 layout(local_size_x = INVOCATIONS) in;
 #include "kernels/lanes_glsl.h"
 #include "gpu_compute/shaders/pressure_solve.glsl"
-layout(std430, binding = 10) readonly buffer Modes { float modes[]; };         // by mode, z, y
-layout(std430, binding = 11) readonly buffer Eigenvalues { float eigenvalues[]; };  // of modes along an axis
-layout(std430, binding = 12) writeonly buffer Planes { float planes[]; };      // by mode, parities of z and y, z, y; folded
+layout(std430, binding = 10) readonly buffer Modes { float modes[]; };         // [mode along x][z][y]
+layout(std430, binding = 11) readonly buffer Eigenvalues { float eigenvalues[]; };  // per mode of an axis
+// [mode along x][parity of z][parity of y][z][y]; z and y over the lower half of cells.
+layout(std430, binding = 12) writeonly buffer Planes { float planes[]; };
 
 #define PITCH (HALF + 1)
 shared float plane[HALF * PITCH];
-shared int done_before;  // one reads it for all: another workgroup may be about to change it
+shared int done_before;  // read once per workgroup: another workgroup may change solve.done meanwhile
 
-// Along y or z of the plane. `held`: where all of the matrix is, if it is.
+// Multiplies the plane by `matrix` along y or z, in place. `held`: the matrix's block in matrix_rows, with HAS_ALL.
 void transform(int matrix, int held, bool along_y) {
   int next = along_y ? 1 : PITCH, across = along_y ? PITCH : 1;
   int me = int(gl_LocalInvocationIndex), start = HAS_ALL ? held * HALF : 0;
@@ -52,7 +57,7 @@ void main() {
   if (done_before != 0) return;
   ivec2 parity = ivec2(gl_WorkGroupID.y & 1u, gl_WorkGroupID.y >> 1u);  // along y and z
   float residual = uintBitsToFloat(solve.residual_now);
-  bool enough = !(residual > max(2e-4 * uintBitsToFloat(solve.fastest), 1e-6));  // air/wind.h: kResidual, kStill
+  bool enough = !(residual > max(2e-4 * uintBitsToFloat(solve.fastest), 1e-6));  // kResidual, kStill of air/wind.h
   if (me == 0 && mode == 0 && gl_WorkGroupID.y == 0u) {
     solve.residual = residual;
     if (enough) solve.done = 1;
@@ -74,7 +79,7 @@ void main() {
   for (int n = me; n < HALF * HALF; n += INVOCATIONS) {
     int y = n % HALF, z = n / HALF;
     float sum = eigenvalues[mode] + eigenvalues[parity.x * HALF + y] + eigenvalues[parity.y * HALF + z];
-    plane[y + PITCH * z] *= sum > 0.0 ? inverse(sum) : 0.0;  // between walls nothing tells the mean
+    plane[y + PITCH * z] *= sum > 0.0 ? inverse(sum) : 0.0;  // between walls the mean pressure is free: set to 0
   }
   transform(needed.z, 2, false);
   transform(needed.w, 3, true);

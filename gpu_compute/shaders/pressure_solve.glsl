@@ -1,33 +1,37 @@
-// What the passes of the pressure (gpu_compute/pressure_passes.h) share. CELLS: per axis, known when they are compiled.
-// Modes along an axis are even or odd about its middle, so that each half of them needs only the sums, or the differences, of
-// places that mirror each other: parity 0 and 1, HALF modes each. Mode numbers are parity * HALF + number.
+// Shared by the passes of the pressure solve (gpu_compute/pressure_passes.h).
+// Modes along an axis are even (parity 0) or odd (parity 1) about its middle, HALF modes each. A transform of one parity
+// needs only the sums, or the differences, of mirrored cells. Mode numbers are parity * HALF + number.
+// CELLS: cells per axis, 16 to 128, a multiple of 16.
+// INVOCATIONS: invocations per workgroup, a power of 2. MATRICES: transform matrices that a pass holds in shared memory.
 #define HALF (CELLS / 2)
-#define GROUPS (HALF / 4)  // modes or places that one invocation finds together
+#define GROUPS (HALF / 4)  // groups of four modes or cells; one invocation computes a group
 layout(std430, binding = 15) buffer Solve {
-  uint fastest;       // bits of the largest component of velocity, m/s
-  uint residual_now;  // bits of the largest residual, m/s, while it is found
-  int done;
-  int iterations;
-  float residual;
-  float products[2];  // dot(residual, its preconditioned self), of this iteration and the last
-  float lengths[2];   // of steps, likewise
+  uint fastest;       // largest velocity component, m/s, as bits of a float
+  uint residual_now;  // largest residual, m/s, as bits of a float, while pressure_step.comp computes it
+  int done;           // 1: converged; later passes return at once
+  int iterations;     // so far
+  float residual;     // largest residual of the last iteration, m/s
+  float products[2];  // dot(residual, preconditioned residual), of even and odd iterations
+  float lengths[2];   // step lengths of even and odd iterations
 } solve;
-layout(std430, binding = 0) readonly buffer Masks { uint masks[]; };  // bits 0 to 5: the cell's faces are open; 6: solid
+// Per cell. Bits 0 to 5: low x, high x, low y, high y, low z, high z face is open; bit 6: solid.
+layout(std430, binding = 0) readonly buffer Masks { uint masks[]; };
 
-// Matrices of HALF x HALF: to modes, parity 0 and 1; back from modes, parity 0 and 1. What comes in row after row.
+// Four HALF x HALF matrices: to modes, parity 0 and 1; from modes, parity 0 and 1. One row per input.
 layout(std430, binding = 1) readonly buffer Matrices { vec4 matrices[]; };
 #define TO_MODES 0
 #define FROM_MODES 2
-// As many rows of them at once as shared memory has room for: all of them, of all MATRICES that a pass needs, or a few.
+// Matrix rows held in shared memory at a time: whole matrices, up to HALF 32, or 8 rows of each.
 #define HAS_ALL (HALF <= 32)
 #define ROWS_AT_ONCE (HAS_ALL ? HALF : 8)
 shared vec4 matrix_rows[MATRICES * ROWS_AT_ONCE * GROUPS];
+// Reads ROWS_AT_ONCE rows of `matrix`, from row `first` on, to block `to` of matrix_rows. No barrier.
 void readRows(int matrix, int first, int to) {
   for (int n = int(gl_LocalInvocationIndex); n < ROWS_AT_ONCE * GROUPS; n += INVOCATIONS)
     matrix_rows[to * ROWS_AT_ONCE * GROUPS + n] = matrices[matrix * HALF * GROUPS + first * GROUPS + n];
 }
 
-// Bits 0 to 5 of a cell as numbers, and how many there are.
+// Open faces of a cell, 1 or 0 per axis, and their number.
 struct Faces {
   vec3 low, high;
   float open;
@@ -37,7 +41,7 @@ Faces facesOf(uint bits) {
   return Faces(vec3(at & 1u), vec3((at >> 1u) & 1u), float(bitCount(bits & 63u)));
 }
 
-// Sums over all invocations of a workgroup, in an order that is always the same.
+// Sum over all invocations of a workgroup, in a fixed order, so that results are reproducible.
 shared vec2 summed[INVOCATIONS];
 vec2 sumOf(vec2 value) {
   int me = int(gl_LocalInvocationIndex);

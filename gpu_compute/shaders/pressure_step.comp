@@ -1,37 +1,44 @@
 #version 450
 // variants: FIRST=1 CELLS=64 | FIRST=0 CELLS=64 | FIRST=0 CELLS=16 | FIRST=0 CELLS=128
-// The residual, and what it is in modes along x. FIRST: of the pressure as it is; else after a step of the conjugate gradients,
-// with both products of an iteration known at once (Chronopoulos and Gear 1989, "s-step iterative methods for symmetric linear
+// Step of the conjugate gradients; then the residual and its modes along x.
+// The variant needs one reduction per iteration (Chronopoulos and Gear 1989, "s-step iterative methods for symmetric linear
 // systems", section 3).
+// Reads: corrections and their images, dot products of pressure_correct.comp; with FIRST the right-hand sides and masks.
+// Writes: pressures, residuals, search direction and its image, modes along x, the largest residual.
+// One workgroup per LINES lines of cells along x.
+// FIRST: 0: takes a step.
+//        1: no step: computes the residual of the given pressure.
+// CELLS: see pressure_solve.glsl.
 #define INVOCATIONS 512
 #define MATRICES 2
 layout(local_size_x = INVOCATIONS) in;
 #include "kernels/lanes_glsl.h"
 #include "gpu_compute/shaders/pressure_solve.glsl"
 layout(std430, binding = 2) readonly buffer Rights { float rights[]; };  // right-hand sides, m/s
-layout(std430, binding = 3) buffer Pressures { float pressures[]; };     // m/s, see lessGradient
+layout(std430, binding = 3) buffer Pressures { float pressures[]; };     // m/s, see projectVelocity()
 layout(std430, binding = 4) buffer Residuals { float residuals[]; };
-layout(std430, binding = 5) buffer Steps { float steps[]; };
-layout(std430, binding = 6) buffer Images { float images[]; };                          // of steps under the system
-layout(std430, binding = 7) readonly buffer Corrections { float corrections[]; };       // the residuals, preconditioned
+layout(std430, binding = 5) buffer Steps { float steps[]; };                            // the search direction
+layout(std430, binding = 6) buffer Images { float images[]; };                          // the system's matrix x steps
+layout(std430, binding = 7) readonly buffer Corrections { float corrections[]; };       // the preconditioned residuals
 layout(std430, binding = 8) readonly buffer CorrectionImages { float correction_images[]; };
 layout(std430, binding = 9) readonly buffer Products { vec2 partial_products[]; };      // see pressure_correct.comp
-layout(std430, binding = 10) writeonly buffer Modes { float modes[]; };                 // by mode, z, y
-layout(location = 0) uniform int tiles;  // of partial_products
-layout(location = 1) uniform int odd;    // iterations so far are
-layout(location = 2) uniform int first;  // there is no direction yet
+layout(std430, binding = 10) writeonly buffer Modes { float modes[]; };                 // [mode along x][z][y]
+layout(location = 0) uniform int tiles;  // number of partial_products
+layout(location = 1) uniform int odd;    // 1: the number of earlier iterations is odd
+layout(location = 2) uniform int first;  // 1: first iteration, there is no search direction yet
 
 #define LINES 32
 #define PITCH (LINES + 1)
-shared float folded[CELLS * PITCH];  // sums of places that mirror each other, then differences
+shared float folded[CELLS * PITCH];  // sums of mirrored cells, then differences
 shared uint largest;
 
+// Updates a cell, and returns its residual. `turn`: coefficient of the old search direction; `length_`: step length.
 float residualAt(int cell, float turn, float length_) {
 #if FIRST
   const int y = CELLS, z = CELLS * CELLS;
   ivec3 c = ivec3(cell % y, cell / y % y, cell / z);
   Faces f = facesOf(masks[cell]);
-  // Faces to places beyond the grid are open, and the pressure there is 0.
+  // Open faces of the border lead to a pressure of 0.
   float sum = 0.0;
   if (c.x > 0) sum = madd(f.low.x, pressures[cell - 1], sum);
   if (c.x + 1 < y) sum = madd(f.high.x, pressures[cell + 1], sum);
@@ -108,7 +115,7 @@ void main() {
     }
   }
   for (int i = 0; i < per_invocation; ++i) {
-    int item = me + i * INVOCATIONS, line = item % LINES, group = item / LINES;  // of both parities
+    int item = me + i * INVOCATIONS, line = item % LINES, group = item / LINES;  // groups of both parities
     if (item >= items) break;
     for (int n = 0; n < 4; ++n) modes[(4 * group + n) * CELLS * CELLS + first_line + line] = found[i][n];
   }

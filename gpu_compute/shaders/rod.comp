@@ -3,30 +3,50 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// variants: PER_THREAD=2 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=3 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=2 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 UNIFORM=0 PINNED=1 STRAIGHT=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=3 PINNED=0 STRAIGHT=0 CLEAR=1 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=3 PINNED=0 STRAIGHT=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=4 EDGES=0 UNIFORM=0 PINNED=0 STRAIGHT=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=1 DAMPED=0 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=1 | PER_THREAD=4 THREADS=2 EDGES=0 UNIFORM=0 PINNED=1 STRAIGHT=0 CLEAR=1 BODIES=0 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=0 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=2 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=0 PINNED=0 STRAIGHT=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=2 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=2 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=2 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=1 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=2 PINNED=0 STRAIGHT=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=1 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=2 THREADS=16 EDGES=0 UNIFORM=1 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=0 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=4 EDGES=15 UNIFORM=1 PINNED=0 STRAIGHT=1 CLEAR=0 BODIES=0 TURNING=0 GROOMED=0 DAMPED=0 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 UNIFORM=2 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=0 TURNING=0 GROOMED=2 DAMPED=1 VIOLENT=0 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=2 THREADS=16 EDGES=31 UNIFORM=1 PINNED=0 STRAIGHT=0 CLEAR=0 BODIES=1 TURNING=0 GROOMED=1 DAMPED=1 VIOLENT=1 STIFF=0 ASTRAY=0 SHUFFLED=1 ACCELERATED=0
-// One step of strands as inextensible rods: core/rod_sweep.inl with the state in registers, PER_THREAD (2 or 4) edges per
-// invocation, THREADS invocations per strand and several strands per workgroup. The sweeps along the strand become: own slots by
-// elimination, then the strand's invocations together by cyclic reduction.
-// EDGES: of every strand of the group, 0 where they differ. UNIFORM: 1: along each strand twist is in one ratio to bend;
-// 2: and edges are of one length; 3: and of one mass.
-// PINNED: more vertices than the roots are. STRAIGHT: there are no bodies, and strands are straight at rest and free at their tips; then they
-// leave the frame of their first edge only (straight_frames.comp has the others). BODIES: there are some; then a dispatch does one substep, for
-// which look.comp has looked at them, and lists strands for keep_out.comp; without, all of them. CLEAR: there are bodies, but it seems that none
-// will come near these strands in the step; those that one may have come near after all are left to the others. TURNING: see bodies.glsl.
-// GROOMED: there is a goal pull, or strands have factors that are not 1; then UNIFORM is not 3; 2 where those of damping and friction differ along
-// strands. ACCELERATED: every vertex has an acceleration of its own.
-// DAMPED: there is internal damping.
-// VIOLENT: what violent motion takes would double the registers of every strand. So there are two dispatches: 0 does calm
-// strands and lists the others, 1 does the same substeps of those, or of a whole group of few. ASTRAY: those among bodies whose vertices have to look at bodies
-// again, too; these are few and take more than all else, so where there are many strands a third dispatch does them.
-// STIFF: some strand is (isStiff in kernels/rod.h), or may be taut between pins; the pulls of such a one may be found by elimination.
-// SHUFFLED: a workgroup is one subgroup, whose invocations can read each other's registers (gpu_compute/subgroups.h).
-// What differs between invocations is chosen by select(), not by if.
+// variants: PER_THREAD=2 THREADS=2 EDGES=0 STRAND_UNIFORMITY=0 PINNED=1 STRAIGHT=0 CONTACT_FREE=0 BODIES=1 SHAPE_KINDS=0 GROOMED=1 DAMPED=1 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 STRAND_UNIFORMITY=3 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=0 DAMPED=0 DENSE_METRIC=1 STIFF=1 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 STRAND_UNIFORMITY=0 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=1 SHAPE_KINDS=0 GROOMED=1 DAMPED=1 DENSE_METRIC=1 STIFF=1 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=1 | PER_THREAD=4 THREADS=32 EDGES=0 STRAND_UNIFORMITY=0 PINNED=1 STRAIGHT=0 CONTACT_FREE=0 BODIES=1 SHAPE_KINDS=2 GROOMED=0 DAMPED=1 DENSE_METRIC=1 STIFF=0 STALE_CACHE=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=32 EDGES=0 STRAND_UNIFORMITY=0 PINNED=1 STRAIGHT=0 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=0 DAMPED=0 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 STRAND_UNIFORMITY=3 PINNED=0 STRAIGHT=0 CONTACT_FREE=1 BODIES=0 SHAPE_KINDS=0 GROOMED=0 DAMPED=1 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 STRAND_UNIFORMITY=3 PINNED=0 STRAIGHT=1 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=0 DAMPED=1 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=4 EDGES=0 STRAND_UNIFORMITY=0 PINNED=0 STRAIGHT=1 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=1 DAMPED=0 DENSE_METRIC=1 STIFF=0 STALE_CACHE=0 SHUFFLED=0 ACCELERATED=1 | PER_THREAD=4 THREADS=2 EDGES=0 STRAND_UNIFORMITY=0 PINNED=1 STRAIGHT=0 CONTACT_FREE=1 BODIES=0 SHAPE_KINDS=0 GROOMED=1 DAMPED=1 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=0 ACCELERATED=1 | PER_THREAD=2 THREADS=16 EDGES=31 STRAND_UNIFORMITY=0 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=1 SHAPE_KINDS=0 GROOMED=2 DAMPED=1 DENSE_METRIC=1 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 STRAND_UNIFORMITY=0 PINNED=0 STRAIGHT=1 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=2 DAMPED=1 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 STRAND_UNIFORMITY=2 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=0 DAMPED=1 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=2 THREADS=16 EDGES=31 STRAND_UNIFORMITY=2 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=1 SHAPE_KINDS=0 GROOMED=0 DAMPED=1 DENSE_METRIC=1 STIFF=1 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 STRAND_UNIFORMITY=2 PINNED=0 STRAIGHT=1 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=0 DAMPED=1 DENSE_METRIC=1 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 STRAND_UNIFORMITY=1 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=0 DAMPED=1 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=2 THREADS=16 EDGES=0 STRAND_UNIFORMITY=1 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=1 SHAPE_KINDS=0 GROOMED=0 DAMPED=1 DENSE_METRIC=1 STIFF=0 STALE_CACHE=1 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=4 EDGES=15 STRAND_UNIFORMITY=1 PINNED=0 STRAIGHT=1 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=0 DAMPED=0 DENSE_METRIC=1 STIFF=0 STALE_CACHE=0 SHUFFLED=0 ACCELERATED=0 | PER_THREAD=4 THREADS=8 EDGES=31 STRAND_UNIFORMITY=2 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=0 SHAPE_KINDS=0 GROOMED=2 DAMPED=1 DENSE_METRIC=0 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0 | PER_THREAD=2 THREADS=16 EDGES=31 STRAND_UNIFORMITY=1 PINNED=0 STRAIGHT=0 CONTACT_FREE=0 BODIES=1 SHAPE_KINDS=0 GROOMED=1 DAMPED=1 DENSE_METRIC=1 STIFF=0 STALE_CACHE=0 SHUFFLED=1 ACCELERATED=0
+// Rod solver: the substeps of a dispatch for listed strands, as inextensible Kirchhoff rods. The CPU's counterpart is
+// core/rod_sweep.inl; the equations are in kernels/rod.h and docs/solver.md.
+// Reads: settings, bones, rest shape, external accelerations, lists of strands in work[], the contact cache.
+// Writes: positions, velocities, tensions, frames, contact forces, guides after the last substep. Strands that a variant
+// cannot solve are not stored; it lists them in work[] for the variant that can.
+// PER_THREAD edges per invocation, THREADS invocations per strand, WORKGROUP / THREADS strands per workgroup; the state
+// stays in registers. Each system along a strand is solved in two stages: every invocation eliminates its own slots, then
+// the strand's invocations solve the reduced system by cyclic reduction.
+// PER_THREAD: edges per invocation, 2 or 4.
+// THREADS: invocations per strand, a power of 2 from 1 to 32.
+// EDGES: edges of every strand of the group; 0: they differ.
+// STRAND_UNIFORMITY: 0: lengths, masses and stiffnesses may differ along a strand.
+//                    1: along each strand the ratio of twisting to bending stiffness is constant.
+//                    2: and edges have one length.
+//                    3: and vertices have one mass, half of it at the tip; with STRAIGHT, joints have one stiffness.
+// PINNED: 0, 1: some strand has pinned vertices besides its root.
+// STRAIGHT: 0; 1: strands are straight at rest, only their roots are pinned, and there are no bodies. Only the frame of the
+//           first edge is stored; straight_frames.comp computes the others.
+// BODIES: 0: no bodies; a dispatch solves all substeps.
+//         1: among bodies; a dispatch solves one substep after query_contacts.comp, and lists strands for
+//            resolve_penetration.comp.
+// CONTACT_FREE: 0; 1: strands that contact_free_strands.comp found out of every body's reach, all substeps without bodies.
+//               Strands that a body may have reached after all are not stored but added to the list of near strands.
+// SHAPE_KINDS: 0 to 2, see bodies.glsl; of effect with STALE_CACHE only.
+// GROOMED: 0: no goal, all grooming factors are 1.
+//          1: a goal, or some factors differ from 1; requires STRAND_UNIFORMITY < 3.
+//          2: and factors of damping and friction differ along strands.
+// ACCELERATED: 0, 1: every vertex has an external acceleration.
+// DAMPED: 0, 1: internal damping is on.
+// DENSE_METRIC: 0: only strands whose correction strain stays within the limit; the others are listed.
+//               1: also strands that need the dense metric: those listed, or all of a small model in one dispatch. A
+//                  separate variant, because the dense metric would double the registers of every strand.
+// STALE_CACHE: 0: strands with a stale contact cache are listed.
+//              1: such strands query contacts again. They are few and cost more than all else, so a large group solves
+//                 them in a third dispatch.
+// STIFF: 0; 1: some strand is stiff (isStiff() of kernels/rod.h) or may be taut between pins, and may need stiff tensions.
+// SHUFFLED: 0; 1: a workgroup is one subgroup, whose invocations exchange registers (gpu_compute/subgroups.h).
+// Values that differ between invocations are chosen by select(), not by branches.
 #define WORKGROUP 32
-// Calm strands have a program of their own only where they are many.
-#define MANY (!VIOLENT)
+// The variant without the dense metric exists for large models only.
+#define MANY (!DENSE_METRIC)
 #if MANY
-#define SELECT_BY_MIX  // a tenth of their step on an H100; the other programs would take longer: docs/solver.md
+#define SELECT_BY_MIX  // saves a tenth of these strands' step on an H100; slows the other variants: docs/solver.md
 #endif
 layout(local_size_x = WORKGROUP) in;
 
@@ -39,7 +59,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/straight_joint.h"
 #endif
 #if STIFF
-#include "kernels/stiff_pulls.h"
+#include "kernels/stiff_tensions.h"
 #endif
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
@@ -58,29 +78,34 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/tridiagonal.glsl"
 #include "gpu_compute/shaders/pentadiagonal.glsl"
 
-// Of the present substep; entry p is of slot p, entries from PER_THREAD on are of the next invocation.
-// How far vertices have come since the substep began, m: in small numbers, see RodScratch in core/rod_sweep.inl.
+// State of the current substep. Entry p belongs to slot p; entries from PER_THREAD on belong to the next invocation.
+// Suffix _in: the slot before slot 0; _out: the slot after the last.
+// Displacement of vertices since the substep began, m. Displacements are small numbers, because the rounding of positions
+// would be taken for motion: see RodScratch in core/rod_sweep.inl.
 vec3 shift[PER_THREAD];
-vec3 shift_in;                      // of the vertex before slot 0
-vec3 tangent[PER_THREAD], tangent_in, tangent_out;
+vec3 shift_in;
+vec3 tangent[PER_THREAD], tangent_in, tangent_out;  // unit
 vec3 moment[PER_THREAD + 1];        // m^2/s^2
-float stiffness[PER_THREAD + 2];    // of joints in the bending matrix
-float edge_stiffness[PER_THREAD + 1];     // of edges in it
-float softness[PER_THREAD], softness_in;  // of vertices, see curlSoftness
-// The bending system, as solvePentadiagonal wants it; its right-hand sides, later its solution.
+float stiffness[PER_THREAD + 2];    // of joints, in the bending matrix
+float edge_stiffness[PER_THREAD + 1];     // of edges, in the bending matrix
+float softness[PER_THREAD], softness_in;  // of vertices, see curlSoftness()
+// The bending matrix in the layout of solvePentadiagonal(). `force`: its right-hand sides.
 float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD];
 vec3 across;
 vec3 force[PER_THREAD];             // m
-float pull[PER_THREAD], pull_in, pull_out;  // m, of edges; in: before slot 0, out: after the last slot
-float most;  // violence: of this invocation, of all substeps yet; where VIOLENT of this strand, in this substep
+float lambda[PER_THREAD], lambda_in, lambda_out;  // tension increments of edges, m
+// Greatest correction strain. DENSE_METRIC: of this strand, in this substep; else of this invocation, in all substeps so
+// far.
+float most;
 #if BODIES
-vec3 pressing[PER_THREAD];            // m: StrandState::contacts x substep^2
-vec3 normals[PER_THREAD], normal_in;  // of the bodies that vertices touch, else 0
-bool meets;                           // of this invocation's vertices: a body is near in this substep, or has pressed one
-float near_body;                      // of these: nearness() of a body
-float speed_kept;                     // of this strand: the part of the substep's speeds that its vertices have, see slowed()
-bool lost;                            // of these: isLost()
-bool astray;                          // of these: isAstray()
+vec3 pressing[PER_THREAD];            // contact forces, m: StrandState::contacts x substep^2
+vec3 normals[PER_THREAD], normal_in;  // contact normals of vertices in contact, else 0
+// Of this invocation's vertices, in this substep:
+bool meets;                           // a body is near one, or pressed one when the substep began
+float near_body;                      // greatest nearness() of a body
+float speed_kept;                     // factor that velocityClamp() left on the strand's velocities
+bool lost;                            // mayPenetrate()
+bool stale_cache;                     // isCacheStale() of some vertex
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
 #else
@@ -89,8 +114,8 @@ bool astray;                          // of these: isAstray()
 #endif
 
 #if PINNED || GROOMED
-// Where the root frame, or the bone that it is pinned to, holds a vertex of the rest shape.
-// `time`: the part of the step that has passed then.
+// Position of a vertex of the rest shape as carried by the root frame, or by the bone that prescribes it. m.
+// `time`: fraction of the step that has passed.
 vec3 heldPoint(uint vertex, Pose root, float time) {
   vec4 local = rest_local[vertex];
   if (local.w < 0.0) return bonePoint(local, time);
@@ -99,7 +124,7 @@ vec3 heldPoint(uint vertex, Pose root, float time) {
 vec3 heldPoint(uint vertex, RootMotion root) { return heldPoint(vertex, Pose(root.position, root.rotation), root.time); }
 #endif
 
-// How far a vertex would go by itself, to its inertial point; pinned ones ride on the root frame.
+// Displacement of a vertex to its inertial point, m; of a pinned vertex, to its prescribed position.
 vec3 inertialShift(vec3 position, vec3 velocity, float keep, float weight, uint vertex, RootMotion root) {
   vec3 way = madd(velocity, settings.substep * keep, root.jump);
 #if PINNED
@@ -108,12 +133,13 @@ vec3 inertialShift(vec3 position, vec3 velocity, float keep, float weight, uint 
   return way;
 }
 
+// Edge of slot p at the start of the substep, its change since, and its present value, m.
 vec3 oldEdge(int p) { return x[p] - (p > 0 ? x[max(p - 1, 0)] : x_in); }
 vec3 edgeShift(int p) { return shift[p] - (p > 0 ? shift[max(p - 1, 0)] : shift_in); }
 vec3 newEdge(int p) { return oldEdge(p) + edgeShift(p); }
 
-// Of the outer vertex of the edge of slot p or, where that is pinned, of the inner one: else the last edge before a pin would have another
-// time blend than those before it, and tremble.
+// Weight of the outer vertex of the edge of slot p; if that is pinned, of the inner one. With weight 0 the last edge before
+// a pin would have another time blend than the edges before it, and would oscillate.
 float freeWeight(int p) {
 #if PINNED
   if (weight(p) == 0.0) return p > 0 ? weight(max(p - 1, 0)) : weight_in;
@@ -121,7 +147,7 @@ float freeWeight(int p) {
   return weight(p);
 }
 
-// Whether the inner end of the edge of slot p is held.
+// Whether the inner end of the edge of slot p is the root or pinned.
 bool isAnchored(int p) {
 #if PINNED
   if ((p > 0 ? weight(max(p - 1, 0)) : weight_in) == 0.0) return true;
@@ -129,14 +155,14 @@ bool isAnchored(int p) {
   return p == 0 && rank == 0;
 }
 
-// The kept tension of the edge of slot p, and its tangent between the old edge and the inertial one, or `otherwise` where that has no
-// direction. Returns the blend of the two; `unit_in`: of the old edge before it.
+// Sets the warm-started tension of the edge of slot p, and its tangent at the time blend of the old edge and the inertial
+// one; `otherwise` if that has no direction. Returns the time blend. `unit_in`: direction of the old edge before it.
 float predictEdge(int p, vec3 unit_in, vec3 otherwise) {
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
   tension[p] = min(keptTension(tension[p], advance * il, bends[p], il, settings.time2), most_tension);
   float kappa_here = stiffnessOf(bends[p], il, settings.time2, freeWeight(p));
-#if UNIFORM < 2
+#if STRAND_UNIFORMITY < 2
   kappa_here = select(cut_unevenly, kappa(), kappa_here);
 #endif
   float blend = timeBlend(advance * il, old * il - unit_in, kappa_here, kinked);
@@ -144,7 +170,7 @@ float predictEdge(int p, vec3 unit_in, vec3 otherwise) {
   return blend;
 }
 
-// The vertices at their inertial points.
+// Displaces all vertices to their inertial points.
 void placeInertial(RootMotion root) {
   uint vertex = root_vertex + uint(min(rank * PER_THREAD, edges));
   shift_in = select(rank > 0, inertialShift(x_in, v_in, KEEP_IN, weight_in, vertex, root), root.position - x_in);
@@ -154,8 +180,9 @@ void placeInertial(RootMotion root) {
   }
 }
 
-// What edges have in the bending matrix, and vertices in the metric of lengths; the arguments: of joints, of edges, of the second edge after
-// the last slot.
+// Sets edge_stiffness, the edges' part of the bending matrix, and softness, the vertices' part of the length metric.
+// `margin`: bendMatrixMargin() of joints; `blend`: time blend of edges; `tangent_out2`: of the second edge after the last
+// slot.
 void softenVertices(float margin[PER_THREAD + 1], float blend[PER_THREAD], vec3 tangent_out2) {
   for (int p = 0; p < PER_THREAD; ++p) {
     float il = inverseLength(p);
@@ -176,7 +203,7 @@ void softenVertices(float margin[PER_THREAD + 1], float blend[PER_THREAD], vec3 
 #include "gpu_compute/shaders/rod_twist.glsl"
 #endif
 
-// What the edge of slot p pushes its outer vertex with (x dt^2, m), while vertices are at the inertial points.
+// Force of the edge of slot p on its outer vertex, x dt^2, m, with vertices at the inertial points.
 vec3 edgeForce(int p, RootMotion root) {
   float il = inverseLength(p);
   vec3 pushed = cross(moment[p + 1] - moment[p], tangent[p]) * (il * settings.time2) - tangent[p] * tension[p];
@@ -184,15 +211,16 @@ vec3 edgeForce(int p, RootMotion root) {
   return pushed;
 }
 
+// Assembles the bending matrix and its right-hand sides `force`.
 void makeBending(RootMotion root) {
   vec3 force_out;
   force[0] = edgeForce(0, root);
   send_a(vec4(force[0], edge_stiffness[0]));
   send_b(vec4(moment[0], 0));
-  rendezvous();
+  exchangeBarrier();
   vec4 a = select(hasAfter(1), received_a(after(1)), vec4(0));
   vec3 b = select(hasAfter(1), received_b(after(1)).xyz, vec3(0));
-  release();
+  swapBank();
   force_out = a.xyz;
   edge_stiffness[PER_THREAD] = a.w;
   moment[PER_THREAD] = b;
@@ -238,10 +266,11 @@ void makeBending(RootMotion root) {
                 bendAcrossTwo(stiffness[1], il[0], il[1]));
 }
 
-// What the forces move in the bending system.
+// Solves the bending system. `moved`: displacements of vertices by `force`, m.
 void solveBending(out vec3 moved[PER_THREAD]) {
 #if PER_THREAD == 2 && THREADS > 8 || THREADS > 16
-  // Over many invocations the reduction cancels stiffnesses down to a mass: its solution is refined once.
+  // Over many invocations the cyclic reduction cancels stiffnesses down to a mass and loses digits: one round of iterative
+  // refinement.
   vec3 left[PER_THREAD] = force;
   for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
   for (int round = 0; round < REPEATS(2); ++round) {
@@ -257,6 +286,7 @@ void solveBending(out vec3 moved[PER_THREAD]) {
 #endif
 }
 
+// Displaces the free vertices by the forces. `moved`: by how much, m.
 void moveByForces(out vec3 moved[PER_THREAD]) {
   solveBending(moved);
   for (int p = 0; p < PER_THREAD; ++p) {
@@ -269,18 +299,18 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
 
 #include "gpu_compute/shaders/rod_lengths.glsl"
 
-// Whether this holds for any invocation of the strand.
+// Whether `own` holds in any invocation of the strand.
 bool ofStrand(bool own) { return strandSum(own ? 1.0 : 0.0) > 0.0; }
 
-#if VIOLENT || BODIES
-// Whether this, which all invocations of a strand agree on, holds for any strand of the workgroup.
+#if DENSE_METRIC || BODIES
+// Whether `own` holds for any strand of the workgroup. All invocations of a strand must pass the same value.
 bool anyStrand(bool own) {
   float strands = own ? 1.0 : 0.0;
   for (uint distance = uint(THREADS); distance < uint(WORKGROUP); distance *= 2u) {
     send_d(strands);
-    rendezvous();
+    exchangeBarrier();
     strands += received_d(me ^ distance);
-    release();
+    swapBank();
   }
   return strands > 0.0;
 }
@@ -288,46 +318,47 @@ bool anyStrand(bool own) {
 
 #if BODIES
 #include "gpu_compute/shaders/rod_contact.glsl"
-#elif CLEAR
-#include "gpu_compute/shaders/rod_clear.glsl"
+#elif CONTACT_FREE
+#include "gpu_compute/shaders/rod_contact_free.glsl"
 #endif
 
-#if VIOLENT
-// The pulls of violent motion, and what they move, found by conjugate gradients. Leaves none for moveByPulls(), and the second
-// length system in the metric of the masses. Of other strands only the barriers are wanted.
-void pullThroughBending(bool violent) {
-  const float calm_in = violent ? 0.0 : pull_in, calm_out = violent ? 0.0 : pull_out;
+#if DENSE_METRIC
+// Tension increments in the dense metric and the displacements that they cause, by conjugate gradients preconditioned with
+// the tridiagonal length system. Leaves lambda 0, so that applyTensions() adds nothing, and softness 0, so that the second
+// length pass uses the metric of the masses. Strands without `dense_metric` only take part in the barriers.
+void applyTensionsThroughBending(bool dense_metric) {
+  const float calm_in = dense_metric ? 0.0 : lambda_in, calm_out = dense_metric ? 0.0 : lambda_out;
   float calm[PER_THREAD], excess[PER_THREAD], conjugate[PER_THREAD];
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
   lengthRows(slack, lower, pivot);
   diagonalToSlack(slack, lower);
   float product = 0.0;
   for (int p = 0; p < PER_THREAD; ++p) {
-    excess[p] = toMend(p, dot(newEdge(p), tangent[p]));
-    calm[p] = violent ? 0.0 : pull[p];
+    excess[p] = lengthResidualOf(p, dot(newEdge(p), tangent[p]));
+    calm[p] = dense_metric ? 0.0 : lambda[p];
     conjugate[p] = 0.0;
-    product = madd(excess[p], pull[p], product);
-    if (violent) softness[p] = 0.0;
+    product = madd(excess[p], lambda[p], product);
+    if (dense_metric) softness[p] = 0.0;
   }
-  if (violent) softness_in = 0.0;
+  if (dense_metric) softness_in = 0.0;
   product = strandSum(product);
-  float kept = 0.0;  // of the last direction
-  for (int iteration = 1; iteration <= REPEATS(kPullIterations); ++iteration) {
-    for (int p = 0; p < PER_THREAD; ++p) pull[p] = conjugate[p] = madd(conjugate[p], kept, pull[p]);
-    send_d(pull[0]);
-    rendezvous();
-    pull_out = received_d(after(1));
-    release();
-    if (!hasAfter(1)) pull_out = 0.0;
+  float kept = 0.0;  // coefficient of the previous search direction
+  for (int iteration = 1; iteration <= REPEATS(kTensionIterations); ++iteration) {
+    for (int p = 0; p < PER_THREAD; ++p) lambda[p] = conjugate[p] = madd(conjugate[p], kept, lambda[p]);
+    send_d(lambda[0]);
+    exchangeBarrier();
+    lambda_out = received_d(after(1));
+    swapBank();
+    if (!hasAfter(1)) lambda_out = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) force[p] = isEdge(p) && weight(p) > 0.0 ? pushOn(p, 0.0) : vec3(0);
     vec3 moved[PER_THREAD];
     solveBending(moved);
     for (int p = 0; p < PER_THREAD; ++p) moved[p] = weight(p) > 0.0 ? held(moved[p], NORMAL(p)) : vec3(0);
     send_a(vec4(moved[kLast], 0));
-    rendezvous();
+    exchangeBarrier();
     vec3 moved_in = received_a(before(1)).xyz;
     if (!hasBefore(1)) moved_in = vec3(0);
-    release();
+    swapBank();
     float shortened[PER_THREAD];
     float curvature = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) {
@@ -337,24 +368,24 @@ void pullThroughBending(bool violent) {
     }
     float way = conjugateStep(product, strandSum(curvature));
     for (int p = 0; p < PER_THREAD; ++p) {
-      if (violent) {
+      if (dense_metric) {
         shift[p] = madd(moved[p], way, shift[p]);
         tension[p] = madd(conjugate[p], way, tension[p]);
       }
       excess[p] -= way * shortened[p];
     }
-    if (iteration == kPullIterations) break;
-    pull = excess;
-    solveTridiagonal(slack, lower, pivot, pull);
+    if (iteration == kTensionIterations) break;
+    lambda = excess;
+    solveTridiagonal(slack, lower, pivot, lambda);
     float next = 0.0;
-    for (int p = 0; p < PER_THREAD; ++p) next = madd(excess[p], pull[p], next);
+    for (int p = 0; p < PER_THREAD; ++p) next = madd(excess[p], lambda[p], next);
     next = strandSum(next);
     kept = conjugateStep(next, product);
     product = next;
   }
-  pull = calm;
-  pull_in = calm_in;
-  pull_out = calm_out;
+  lambda = calm;
+  lambda_in = calm_in;
+  lambda_out = calm_out;
 }
 #endif
 
@@ -362,22 +393,23 @@ void pullThroughBending(bool violent) {
 #include "gpu_compute/shaders/rod_stiff.glsl"
 #endif
 
-// After the first pass over lengths: whether the strand needs another, because it is violent or a body is near. The pulls of
-// violent ones go through bending. `pressed`: by a body.
+// After the first length pass: whether the strand needs a second one, because it needs the dense metric or a body is near.
+// DENSE_METRIC: applies the tension increments of strands that need the dense metric, or elimination. `pressed`: whether a
+// body presses the strand.
 bool needsAgain(bool pressed) {
   bool needs = false;
 #if STIFF
-  most = strandMax(mostViolence());
-  needs = isViolent(most, borne) && !taut;
-  const bool eliminated = isEliminated(kappa(), most, borne, pressed) || taut;
-  if (anyStrand(eliminated)) pullByElimination(eliminated);
-  if (anyStrand(needs && !eliminated)) pullThroughBending(needs && !eliminated);
-#elif VIOLENT
-  most = strandMax(mostViolence());
-  needs = isViolent(most, borne);
-  if (anyStrand(needs)) pullThroughBending(needs);
+  most = strandMax(maxCorrectionStrain());
+  needs = needsDenseMetric(most, correction_limit) && !taut;
+  const bool eliminated = isEliminated(kappa(), most, correction_limit, pressed) || taut;
+  if (anyStrand(eliminated)) eliminateTensions(eliminated);
+  if (anyStrand(needs && !eliminated)) applyTensionsThroughBending(needs && !eliminated);
+#elif DENSE_METRIC
+  most = strandMax(maxCorrectionStrain());
+  needs = needsDenseMetric(most, correction_limit);
+  if (anyStrand(needs)) applyTensionsThroughBending(needs);
 #else
-  most = max(most, mostViolence());
+  most = max(most, maxCorrectionStrain());
 #endif
 #if BODIES
   const bool meet = ofStrand(meets);
@@ -386,34 +418,34 @@ bool needsAgain(bool pressed) {
   return needs;
 }
 
-// Of a strand that only goes along with others of its workgroup; nothing comes out otherwise for them. `pulled_in`: shift_in
-// as the last pass left it, to the bit.
-void leavePulls(vec3 pulled_in) {
-  for (int p = 0; p < PER_THREAD; ++p) pull[p] = 0.0;
-  pull_in = pull_out = 0.0;
+// Clears the tension increments of a strand that takes part in a second length pass only for its workgroup's barriers, so
+// that its result does not depend on the other strands. `pulled_in`: shift_in as the first pass left it, bit for bit.
+void leaveTensions(vec3 pulled_in) {
+  for (int p = 0; p < PER_THREAD; ++p) lambda[p] = 0.0;
+  lambda_in = lambda_out = 0.0;
   shift_in = pulled_in;
 }
 
-// Every vertex moved by its pulls.
-void moveByPulls() {
+// Displaces every vertex by the tension increments of its edges.
+void applyTensions() {
   for (int p = 0; p < PER_THREAD; ++p) {
-    tension[p] += pull[p];
+    tension[p] += lambda[p];
     shift[p] = madd(pushOn(p, softness[p]), weight(p), shift[p]);
   }
-  // The same for the vertex before slot 0, which saves an exchange.
-  const vec3 push_in = held(pushOfPulls(tangent_in, pull_in, tangent[0], pull[0], softness_in), NORMAL_IN);
+  // The vertex before slot 0 is computed again here, which saves an exchange.
+  const vec3 push_in = held(shiftByTensions(tangent_in, lambda_in, tangent[0], lambda[0], softness_in), NORMAL_IN);
   shift_in = select(hasBefore(1), madd(push_in, weight_in, shift_in), shift_in);
 }
 
 #include "gpu_compute/shaders/rod_finish.glsl"
 
-// Lists the strand; its place in the list.
+// Appends the strand to a list; returns its index in the list. `count`, `list`: indices in work[].
 uint listStrand(uint count, uint list) {
   uint at = atomicAdd(work[count], 1u);
   work[list + at] = strand;
   return at;
 }
-// The same for a dispatch, which gets a workgroup more for every kStrands of them: see work[].
+// The same for the list of an indirect dispatch, to which every kStrands strands add a workgroup: see work[].
 void leaveStrand(uint count, uint list) {
   uint at = listStrand(count, list);
   if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[count - 3u], 1u);
@@ -426,20 +458,21 @@ void store() {
 #endif
 }
 
-// The step of kStrands strands, from number `first` of the `count` that stand in work[] from `list` on.
+// Solves the dispatch's substeps for kStrands strands: those from number `first` on of the list of `count` strands that
+// starts at index `list` of work[].
 void stepStrands(uint list, uint first, uint count) {
   loadStrand(list, first, count);
   most = 0.0;
-#if VIOLENT || BODIES
-  const int passes = settings.substeps > 0u ? 2 : 0;  // of lengths, at most; compilers would unroll a 2
+#if DENSE_METRIC || BODIES
+  const int passes = settings.substeps > 0u ? 2 : 0;  // length passes, at most; a literal 2 would be unrolled
 #else
   const int passes = 1;
 #endif
-#if CLEAR
+#if CONTACT_FREE
   loadBodies();
 #endif
 #if BODIES
-  astray = false;
+  stale_cache = false;
   loadContacts();
   {
     const int substep = first_substep;
@@ -455,10 +488,10 @@ void stepStrands(uint list, uint first, uint count) {
     predictEdges(root, blend);
     solveJoints(root, blend);
     makeBending(root);
-    vec3 moved[PER_THREAD];  // by forces
+    vec3 moved[PER_THREAD];  // by forces, m
     moveByForces(moved);
 #if BODIES
-    vec3 checked[PER_THREAD];  // the shifts that contact leaves the vertices with
+    vec3 checked[PER_THREAD];  // displacements after contact, m
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
     meets = false;
     near_body = 0.0;
@@ -467,20 +500,20 @@ void stepStrands(uint list, uint first, uint count) {
 #else
     const bool pressed = false;
 #endif
-    bool again = true;  // this strand has its lengths solved in this pass
+    bool again = true;  // whether this strand takes part in the length pass
     for (int pass = 0; pass < passes; ++pass) {
 #if BODIES
       if (again && pass > 0) collide(substep);
 #endif
       const vec3 pulled_in = shift_in;
       solveLengths(root);
-      if (!again) leavePulls(pulled_in);
+      if (!again) leaveTensions(pulled_in);
 #if BODIES
       if (again) checked = shift;
 #endif
       if (pass == 0) again = needsAgain(pressed);
-      moveByPulls();
-#if VIOLENT || BODIES
+      applyTensions();
+#if DENSE_METRIC || BODIES
       if (pass == 0 && !anyStrand(again)) break;
 #endif
     }
@@ -489,8 +522,8 @@ void stepStrands(uint list, uint first, uint count) {
 #else
     finish();
 #endif
-#if CLEAR
-    addWays(substep);
+#if CONTACT_FREE
+    addTravel(substep);
 #endif
   }
 #if STRAIGHT
@@ -498,22 +531,22 @@ void stepStrands(uint list, uint first, uint count) {
   first_frame = transportTo(last.inner_frame, last.tangent_old, directionOr(oldEdge(0), last.tangent_old));
 #endif
   bool stays = exists;
-#if BODIES && !ASTRAY
-  if (ofStrand(astray)) {
-    if (stays && rank == 0) leaveStrand(astray_count, astray_list);
+#if BODIES && !STALE_CACHE
+  if (ofStrand(stale_cache)) {
+    if (stays && rank == 0) leaveStrand(stale_count, stale_list);
     stays = false;
   }
 #endif
-#if !VIOLENT
-  bool leaves = isViolent(most, borne) || taut;
-#if CLEAR
-  vec4 looked[PER_THREAD];
-  leaves = comesNear(looked) || leaves;
+#if !DENSE_METRIC
+  bool leaves = needsDenseMetric(most, correction_limit) || taut;
+#if CONTACT_FREE
+  vec4 queried[PER_THREAD];
+  leaves = comesNear(queried) || leaves;
 #endif
   if (ofStrand(leaves)) {
     if (stays && rank == 0) {
-#if CLEAR
-      contacts[sightAt(root_vertex, kLooked)].x = kNear;
+#if CONTACT_FREE
+      contacts[contactRow(root_vertex, kQueryPoint)].x = kNear;
       listStrand(left_count, left_list);
 #else
       leaveStrand(left_count, left_list);
@@ -523,11 +556,11 @@ void stepStrands(uint list, uint first, uint count) {
   }
 #endif
 #if BODIES
-  if (ofStrand(lost) && stays && rank == 0) listStrand(lost_count, lost_list);
+  if (ofStrand(lost) && stays && rank == 0) listStrand(penetrating_count, penetrating_list);
 #endif
   if (stays) store();
-#if CLEAR
-  if (stays) storeSights(looked);
+#if CONTACT_FREE
+  if (stays) storeSights(queried);
 #endif
   storeGuides(stays);
 }
@@ -535,7 +568,7 @@ void stepStrands(uint list, uint first, uint count) {
 void main() {
   const uint workgroup = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   const uint count = own_count == kWholeGroup ? strands_in_group : work[own_count];
-#if VIOLENT
+#if DENSE_METRIC
   const uint workgroups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
   for (uint first = workgroup * kStrands; first < count; first += workgroups * kStrands) stepStrands(own_list, first, count);
 #else

@@ -1,39 +1,39 @@
-// Contact of a strand of the rod in a substep, with what its vertices see of bodies (look.comp): its part of rod.comp.
-#if ASTRAY
+// Part of rod.comp: contact of a strand in a substep, with the cached contact planes of query_contacts.comp (BODIES).
+#if STALE_CACHE
 #include "gpu_compute/shaders/bodies.glsl"
 #else
-#include "gpu_compute/shaders/touch.glsl"
+#include "gpu_compute/shaders/contact_plane.glsl"
 #endif
-#include "gpu_compute/shaders/contact_sights.glsl"
-#if ASTRAY
+#include "gpu_compute/shaders/contact_cache.glsl"
+#if STALE_CACHE
 #include "gpu_compute/shaders/root_cover.glsl"
-#include "gpu_compute/shaders/contact_look.glsl"
+#include "gpu_compute/shaders/contact_query.glsl"
 #endif
 
-// How the root moves, as roots.comp has found it.
+// The root motion that roots.comp stored.
 RootMotion knownRoot(int substep) {
-  const vec4 a = contacts[sightAt(root_vertex, kRootPosition)], b = contacts[sightAt(root_vertex, kRootTangent)];
-  const vec4 found = contacts[sightAt(root_vertex, kCover)];
+  const vec4 a = contacts[contactRow(root_vertex, kRootPosition)], b = contacts[contactRow(root_vertex, kRootTangent)];
+  const vec4 found = contacts[contactRow(root_vertex, kCover)];
   RootMotion root;
   root.position = a.xyz;
   root.jump = vec3(a.w, b.w, found.w);
   root.tangent_old = b.xyz;
-  root.rotation = contacts[sightAt(root_vertex, kRootRotation)];
+  root.rotation = contacts[contactRow(root_vertex, kRootRotation)];
   root.spin = found.z;
   root.time = timeAfter(substep);
   findSwing(root);
   return root;
 }
 
-bool sees[PER_THREAD];       // whether vertices have planes
-bool displaced[PER_THREAD];  // whether exact lengths have moved them from where contact had left them
+bool has_planes[PER_THREAD];  // whether vertices have cached contact planes
+bool displaced[PER_THREAD];   // whether exact lengths displaced vertices by more than contactSlack() after contact
 
 uint vertexOf(int p) { return root_vertex + uint(min(rank * PER_THREAD + p, edges - 1)) + 1u; }
 
 void loadContacts() {
   for (int p = 0; p < PER_THREAD; ++p) {
     pressing[p] = contacts[vertexOf(p)].xyz * settings.time2;
-    sees[p] = seesPlanes(contacts[sightAt(vertexOf(p), kLooked)]);
+    has_planes[p] = hasPlanes(contacts[contactRow(vertexOf(p), kQueryPoint)]);
   }
 }
 
@@ -43,11 +43,12 @@ void storeContacts() {
       contacts[vertexOf(p)] = vec4(pressing[p] / settings.time2, displaced[p] ? speed_kept : -speed_kept);
 }
 
-// Who has come too far from where it looked at bodies looks again: ASTRAY; else its strand is left to that program.
-#if ASTRAY
-// A loop that is not to be unrolled, because the text of every body's surface is in it; indexed as usual, arrays would go to
-// memory.
-void lookOn(int substep) {
+// Vertices with a stale contact cache query contacts again (STALE_CACHE), or have their strand listed for the variant that
+// does.
+#if STALE_CACHE
+// The loop must not be unrolled, because it contains the code of every body's surface. The inner loops over q replace
+// dynamic indexing, which would move the arrays from registers to memory.
+void requeryIfMoved(int substep) {
   for (int p = 0; p < PER_THREAD; ++p) {
     vec3 start = x[0], way = shift[0];
     for (int q = 1; q < PER_THREAD; ++q)
@@ -56,74 +57,75 @@ void lookOn(int substep) {
         way = shift[q];
       }
     vec3 place = start + way;
-    uint vertex = vertexOf(p), sight = sightAt(vertex, kLooked);
-    if (!isEdge(p) || !isAstray(contacts[sight], place)) continue;
-    look(strand, vertex, place, start, substep);
-    bool now = seesPlanes(contacts[sight]);
+    uint vertex = vertexOf(p), found = contactRow(vertex, kQueryPoint);
+    if (!isEdge(p) || !isCacheStale(contacts[found], place)) continue;
+    queryContacts(strand, vertex, place, start, substep);
+    bool now = hasPlanes(contacts[found]);
     for (int q = 0; q < PER_THREAD; ++q)
-      if (q == p) sees[q] = now;
+      if (q == p) has_planes[q] = now;
   }
 }
 #else
-void lookOn(int substep) {
+void requeryIfMoved(int substep) {
   for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p) && isAstray(contacts[sightAt(vertexOf(p), kLooked)], x[p] + shift[p])) astray = true;
+    if (isEdge(p) && isCacheStale(contacts[contactRow(vertexOf(p), kQueryPoint)], x[p] + shift[p])) stale_cache = true;
 }
 #endif
 
-// What the bodies are to the vertex of slot p at `place`; whether one is near or has pressed it.
-bool nearBody(int p, vec3 place, out Touch touch) {
-  touch = untouched(place, contactReach());
+// The contact plane of the vertex of slot p at `place`. Returns whether a body is near or pressed the vertex before.
+bool nearBody(int p, vec3 place, out ContactPlane plane) {
+  plane = noContact(place, contactReach());
   const bool pressed = dot(pressing[p], pressing[p]) > 0.0;
-  if (!(sees[p] || pressed) || !isEdge(p) || weight(p) == 0.0) return false;
-  if (sees[p]) touch = touchOf(vertexOf(p), place);
+  if (!(has_planes[p] || pressed) || !isEdge(p) || weight(p) == 0.0) return false;
+  if (has_planes[p]) plane = deepestPlane(vertexOf(p), place);
 #if GROOMED == 2
-  touch.friction *= frictionAndDampingOf(vertexOf(p)).x;
+  plane.friction *= frictionAndDampingOf(vertexOf(p)).x;
 #elif GROOMED
-  touch.friction *= strand_grooming.x;
+  plane.friction *= strand_grooming.x;
 #endif
-  const bool near = pressed || touch.gap < contactReach();
+  const bool near = pressed || plane.gap < contactReach();
   meets = meets || near;
-  near_body = max(near_body, nearness(touch.gap));
+  near_body = max(near_body, nearness(plane.gap));
   return near;
 }
 
-// Contact of the vertices by themselves; the normals are kept for the length solve, which must not push them back in.
+// Contact of each vertex alone, before the second length pass. Keeps the normals, so that the length solve does not push
+// vertices back into bodies.
 void collide(int substep) {
-  lookOn(substep);
+  requeryIfMoved(substep);
   for (int p = 0; p < PER_THREAD; ++p) {
     vec3 place = x[p] + shift[p];
-    Touch touch;
-    if (!nearBody(p, place, touch) || !(touch.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0)) continue;
-    place = resolveContact(place, touch.carried, touch.normal, touch.gap, touch.friction, weight(p), pressing[p]);
+    ContactPlane plane;
+    if (!nearBody(p, place, plane) || !(plane.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0)) continue;
+    place = resolveContact(place, plane.carried, plane.normal, plane.gap, plane.friction, weight(p), pressing[p]);
     shift[p] = place - x[p];
-    if (touch.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
-      normals[p] = touch.normal;
+    if (plane.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0) {
+      normals[p] = plane.normal;
       softness[p] = 0.0;
     }
   }
 }
 
-// Contact through the bending matrix of strands whose vertices forces have just moved by `moved`: core/held_contact.inl, which names the
-// same things. Whether bodies press the strand, or have.
+// Contact through the bending matrix, by active sets: core/held_contact.inl, with the same names. `moved`: displacements by
+// forces, m. Returns whether bodies press the strand or pressed it when the substep began.
 bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
-  lookOn(substep);
-  vec3 push[PER_THREAD], rubs[PER_THREAD], load[PER_THREAD], reaction[PER_THREAD], way[PER_THREAD];
+  requeryIfMoved(substep);
+  vec3 push[PER_THREAD], kept_friction[PER_THREAD], load[PER_THREAD], reaction[PER_THREAD], way[PER_THREAD];
   float follows[PER_THREAD], friction[PER_THREAD];
   bool held[PER_THREAD], touches = false;
   for (int p = 0; p < PER_THREAD; ++p) {
-    push[p] = rubs[p] = load[p] = vec3(0);
+    push[p] = kept_friction[p] = load[p] = vec3(0);
     follows[p] = friction[p] = 0.0;
     held[p] = false;
     const vec3 place = x[p] + shift[p];
-    Touch touch;
-    if (!nearBody(p, place, touch)) continue;
-    const bool touched = touch.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
+    ContactPlane plane;
+    if (!nearBody(p, place, plane)) continue;
+    const bool touched = plane.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
     touches = touches || touched;
-    held[p] = touched && touch.gap < contactReach();
-    push[p] = heldPlace(place, touch.carried, moved[p], touch.normal, touch.gap, touch.friction, weight(p), pressing[p], follows[p], rubs[p]) - place;
-    friction[p] = touch.friction;
-    normals[p] = touch.normal;
+    held[p] = touched && plane.gap < contactReach();
+    push[p] = positionOnSurface(place, plane.carried, moved[p], plane.normal, plane.gap, plane.friction, weight(p), pressing[p], follows[p], kept_friction[p]) - place;
+    friction[p] = plane.friction;
+    normals[p] = plane.normal;
     if (held[p]) continue;
     follows[p] = 0.0;
     if (touched) load[p] = -pressing[p];
@@ -133,7 +135,7 @@ bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
     return false;
   }
-  for (int round = 0; round < REPEATS(kHoldRounds); ++round) {
+  for (int round = 0; round < REPEATS(kActiveSetIterations); ++round) {
     bool fixed_now[PER_THREAD];
     float fixed_bits = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) {
@@ -141,9 +143,9 @@ bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
       if (p >= kLast - 1 && fixed_now[p]) fixed_bits += p == kLast ? 2.0 : 1.0;
     }
     send_d(fixed_bits);
-    rendezvous();
+    exchangeBarrier();
     const float fixed_in = received_d(before(1));
-    release();
+    swapBank();
     const bool in1 = fixed_in > 1.5, in2 = fixed_in == 1.0 || fixed_in == 3.0;
     float own[PER_THREAD], next[PER_THREAD - 1], further[PER_THREAD];
     for (int p = 0; p < PER_THREAD; ++p) {
@@ -163,8 +165,8 @@ bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
     bool changed = false;
     for (int p = 0; p < PER_THREAD; ++p) {
       reaction[p] = -reaction[p];
-      const bool goes = held[p] && letsGo(pressing[p], reaction[p], normals[p]);
-      const bool comes = !held[p] && dot(normals[p], normals[p]) > 0.0 && isPushed(push[p], way[p], normals[p]);
+      const bool goes = held[p] && isReleased(pressing[p], reaction[p], normals[p]);
+      const bool comes = !held[p] && dot(normals[p], normals[p]) > 0.0 && becomesHeld(push[p], way[p], normals[p]);
       if (goes || comes) {
         held[p] = comes;
         load[p] = goes ? -pressing[p] : vec3(0);
@@ -176,7 +178,7 @@ bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
   for (int p = 0; p < PER_THREAD; ++p) {
     if (touches) shift[p] += way[p];
     if (held[p] && touches) {
-      pressing[p] = heldForce(pressing[p], reaction[p], follows[p], rubs[p], normals[p], friction[p]);
+      pressing[p] = heldForce(pressing[p], reaction[p], follows[p], kept_friction[p], normals[p], friction[p]);
       softness[p] = 0.0;
     } else {
       pressing[p] += load[p];
@@ -186,14 +188,14 @@ bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
   return touches;
 }
 
-// The vertices are where they stay, and were left by contact with the shifts `checked`: whether any of them may be in a body,
-// keep_out.comp sees to it.
-bool isLost(vec3 checked[PER_THREAD]) {
+// Whether exact lengths may have put a vertex of this invocation into a body. resolve_penetration.comp then corrects the
+// strand. `checked`: displacements as contact left them, m.
+bool mayPenetrate(vec3 checked[PER_THREAD]) {
   bool any = false;
   for (int p = 0; p < PER_THREAD; ++p) {
     vec3 off = shift[p] - checked[p];
     displaced[p] = isEdge(p) && weight(p) > 0.0 && dot(off, off) > contactSlack() * contactSlack();
-    any = any || (displaced[p] && looksBack(vertexOf(p), x[p] + shift[p]));
+    any = any || (displaced[p] && needsRequery(vertexOf(p), x[p] + shift[p]));
   }
   return any;
 }

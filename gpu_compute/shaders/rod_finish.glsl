@@ -1,7 +1,8 @@
-// The end of a substep: exact lengths, velocities, and the speeds of strands that are thrown. A part of rod.comp.
-#if VIOLENT && (BODIES || PINNED)
-// Of the strand's vertices, their root and pins and what is beside them, before the substep gives new speeds, m/s. Among bodies old ones are read
-// again: kept, they would take registers all the time. `checked`: see finish().
+// Part of rod.comp: the end of a substep. Exact lengths, velocities, and the velocity clamp of strands that overshoot.
+#if DENSE_METRIC && (BODIES || PINNED)
+// Greatest speed, m/s, before the substep's new velocities: of the strand's vertices, its root, its pins and the bodies
+// beside it. Among bodies the old velocities are read again, because keeping them would add register pressure.
+// `checked`: see finish().
 float fastestOfStrand(vec3 checked[PER_THREAD]) {
   const vec3 root = rank == 0 ? shift_in : vec3(0);
   float way2 = dot(root, root), speed2 = 0.0;
@@ -15,23 +16,23 @@ float fastestOfStrand(vec3 checked[PER_THREAD]) {
     speed2 = max(speed2, dot(old, old));
     if (weight(p) == 0.0) way2 = max(way2, dot(checked[p], checked[p]));
 #if BODIES
-    else if (sees[p]) way2 = max(way2, carried2Of(vertexOf(p), x[p] + checked[p], x[p]));
+    else if (has_planes[p]) way2 = max(way2, carried2Of(vertexOf(p), x[p] + checked[p], x[p]));
 #endif
   }
   return sqrt(strandMax(max(speed2, way2 * settings.per_substep * settings.per_substep)));
 }
-// After it has.
-void slowDown(float fastest, float thrown_by) {
+// Velocity clamp, on the substep's new velocities. `fastest`: fastestOfStrand(), m/s; `overshot`: overshoot().
+void clampVelocities(float fastest, float overshot) {
   float speed2 = 0.0;
   for (int p = 0; p < PER_THREAD; ++p)
     if (isEdge(p)) speed2 = max(speed2, dot(v[p], v[p]));
-  const float kept = slowed(sqrt(strandMax(speed2)), fastest, thrown_by, between_pins);
+  const float kept = velocityClamp(sqrt(strandMax(speed2)), fastest, overshot, between_pins);
 #if BODIES
   speed_kept = kept;
 #endif
   for (int p = 0; p < PER_THREAD; ++p)
     if (weight(p) > 0.0) v[p] *= kept;
-  if (hasBefore(1) && weight_in > 0.0) v_in *= kept;  // as the invocation before has it
+  if (hasBefore(1) && weight_in > 0.0) v_in *= kept;  // the same as in the invocation before
 }
 #endif
 
@@ -39,34 +40,36 @@ void slowDown(float fastest, float thrown_by) {
 #include "gpu_compute/shaders/rod_pinned.glsl"
 #endif
 
-// Exact lengths along the directions found, from the root or the last pinned vertex on: a scan. Then velocities.
+// Exact lengths along the solved edge directions, from the root or the last pinned vertex outwards, by a scan. Then
+// velocities and positions.
 #if BODIES
-// `checked`: the shifts that contact left the vertices with.
+// `checked`: displacements as contact left them, m.
 void finish(vec3 checked[PER_THREAD]) {
 #else
 void finish() {
 #endif
-#if VIOLENT && BODIES
-  float thrown_by = thrownBy(most, 1.0), fastest = 0.0;
-  const bool any_thrown = anyStrand(thrown_by > 0.0);
-  if (any_thrown) {
-    thrown_by = thrownBy(most, select(between_pins, 1.0, strandMax(near_body)));
+#if DENSE_METRIC && BODIES
+  float overshot = overshoot(most, 1.0), fastest = 0.0;
+  const bool any_overshot = anyStrand(overshot > 0.0);
+  if (any_overshot) {
+    overshot = overshoot(most, select(between_pins, 1.0, strandMax(near_body)));
     fastest = fastestOfStrand(checked);
   }
-#elif VIOLENT && PINNED
-  const float thrown_by = thrownBy(most, select(between_pins, 1.0, 0.0));
-  const bool any_thrown = anyStrand(thrown_by > 0.0);
-  const float fastest = any_thrown ? fastestOfStrand(shift) : 0.0;
+#elif DENSE_METRIC && PINNED
+  const float overshot = overshoot(most, select(between_pins, 1.0, 0.0));
+  const bool any_overshot = anyStrand(overshot > 0.0);
+  const float fastest = any_overshot ? fastestOfStrand(shift) : 0.0;
 #endif
-  vec3 along[PER_THREAD];  // shifts, less that of the vertex before slot 0 where that is no root
+  vec3 along[PER_THREAD];  // displacements, less that of the vertex before slot 0 unless that is the root
   bool anchored[PER_THREAD];
   vec3 sum = select(hasBefore(1), vec3(0), shift_in);
   bool fixed_here = false;
 #if PINNED
-  // Of pins: what exact lengths from the pin before miss, less that one's shift where it is in no slot; of all: lengths since the last pin.
+  // `missed`: of pins, m: by how much exact lengths from the pin before miss them; without that pin's displacement if it is
+  // in an earlier invocation. `lengths`: of all slots, arc length since the last pin, m.
   vec3 missed[PER_THREAD];
   float lengths[PER_THREAD], run = 0.0;
-  bool follows_pin[PER_THREAD];  // in the slots before it
+  bool follows_pin[PER_THREAD];  // whether a pin is in an earlier slot of this invocation
 #endif
   for (int p = 0; p < PER_THREAD; ++p) {
     sum += select(isEdge(p), edgeShift(p) + missingLength(newEdge(p), tangent[p], restLength(p)), vec3(0));
@@ -91,12 +94,12 @@ void finish() {
 #if PINNED
     send_d(run);
 #endif
-    rendezvous();
+    exchangeBarrier();
     vec4 other = received_a(before(distance));
 #if PINNED
     const float other_run = received_d(before(distance));
 #endif
-    release();
+    swapBank();
     const bool follows = hasBefore(distance) && !fixed_here;
     sum += select(follows, other.xyz, vec3(0));
 #if PINNED
@@ -104,15 +107,16 @@ void finish() {
     fixed_here = fixed_here || (follows && other.w > 0.5);
 #endif
   }
-  // Exactly as the invocation before has it: both add it to the same position.
+  // Takes the displacement of the vertex before slot 0 from the invocation before, bit for bit: both add it to the same
+  // position.
 #if PINNED
   send_a(vec4(sum, run));
 #else
   send_a(vec4(sum, 0));
 #endif
-  rendezvous();
+  exchangeBarrier();
   const vec4 last_before = received_a(before(1));
-  release();
+  swapBank();
   shift_in = select(hasBefore(1), last_before.xyz, shift_in);
   for (int p = 0; p < kLast; ++p) along[p] += select(hasBefore(1) && !anchored[p], last_before.xyz, vec3(0));
 #if PINNED
@@ -129,7 +133,7 @@ void finish() {
 #endif
   shift = along;
 #if BODIES
-  lost = isLost(checked);
+  lost = mayPenetrate(checked);
 #endif
   v_in = shift_in * settings.per_substep;
   x_in += shift_in;
@@ -137,7 +141,7 @@ void finish() {
     v[p] = shift[p] * settings.per_substep;
     x[p] += shift[p];
   }
-#if VIOLENT && (BODIES || PINNED)
-  if (any_thrown) slowDown(fastest, thrown_by);
+#if DENSE_METRIC && (BODIES || PINNED)
+  if (any_overshot) clampVelocities(fastest, overshot);
 #endif
 }

@@ -1,15 +1,15 @@
-// The lengths of a strand of the rod and the pulls that mend them: its part of rod.comp.
+// Part of rod.comp: the length system, which finds the tension increments that restore rest lengths.
 
-// What the pull of the edge of slot p is to mend.
-float toMend(int p, float edge_length) {
+// Constraint residual of the edge of slot p, m: its excess length; 0 if both ends are pinned, and for padding.
+float lengthResidualOf(int p, float edge_length) {
   float excess = edge_length - restLength(p);
 #if PINNED
-  excess = excessToMend(excess, p > 0 ? weight(max(p - 1, 0)) : hasBefore(1) ? weight_in : 0.0, weight(p));
+  excess = lengthResidual(excess, p > 0 ? weight(max(p - 1, 0)) : hasBefore(1) ? weight_in : 0.0, weight(p));
 #endif
   return select(isEdge(p), excess, 0.0);
 }
 
-// The rows of the length system.
+// Assembles the tridiagonal length system.
 void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD], out float pivot[PER_THREAD]) {
   vec3 t_in = tangent_in;
 #if BODIES
@@ -36,14 +36,14 @@ void lengthRows(out float own_diagonal[PER_THREAD], out float lower[PER_THREAD],
   }
 }
 
-// The pulls of one Newton step towards the rest lengths.
+// Tension increments of one Newton step towards the rest lengths.
 void solveLengths(RootMotion root) {
   for (int p = 1; p < PER_THREAD; ++p) {
     vec3 edge_now = newEdge(p);
     tangent[p] = directionOr(edge_now, tangent[p]);
-    pull[p] = toMend(p, dot(edge_now, tangent[p]));
+    lambda[p] = lengthResidualOf(p, dot(edge_now, tangent[p]));
   }
-  vec3 first = oldEdge(0) + shift[0];  // the first edge, but for the shift of the vertex before it
+  vec3 first = oldEdge(0) + shift[0];  // the first edge, without the displacement of its inner vertex
   send_a(vec4(shift[kLast], softness[kLast]));
   send_b(vec4(tangent[kLast], first.x));
 #if BODIES
@@ -52,7 +52,7 @@ void solveLengths(RootMotion root) {
   send_c(vec4(0, 0, 0, first.y));
 #endif
   send_d(first.z);
-  rendezvous();
+  exchangeBarrier();
   shift_in = received_a(before(1)).xyz;
   softness_in = received_a(before(1)).w;
   tangent_in = received_b(before(1)).xyz;
@@ -60,37 +60,37 @@ void solveLengths(RootMotion root) {
   normal_in = received_c(before(1)).xyz;
 #endif
   vec3 first_out = vec3(received_b(after(1)).w, received_c(after(1)).w, received_d(after(1)));
-  release();
+  swapBank();
   shift_in = select(hasBefore(1), shift_in, root.position - x_in);
   softness_in = select(hasBefore(1), softness_in, 0.0);
 #if BODIES
   normal_in = select(hasBefore(1), normal_in, vec3(0));
 #endif
   tangent[0] = directionOr(newEdge(0), tangent[0]);
-  pull[0] = toMend(0, dot(newEdge(0), tangent[0]));
+  lambda[0] = lengthResidualOf(0, dot(newEdge(0), tangent[0]));
   tangent_out = select(hasAfter(1), directionOr(first_out - shift[kLast], tangent[kLast]), tangent[kLast]);
 
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
   lengthRows(slack, lower, pivot);
   diagonalToSlack(slack, lower);
-  pull_in = solveTridiagonal(slack, lower, pivot, pull);
-  send_d(pull[0]);
-  rendezvous();
-  pull_out = select(hasAfter(1), received_d(after(1)), 0.0);
-  release();
+  lambda_in = solveTridiagonal(slack, lower, pivot, lambda);
+  send_d(lambda[0]);
+  exchangeBarrier();
+  lambda_out = select(hasAfter(1), received_d(after(1)), 0.0);
+  swapBank();
 }
 
-// How violent the most violent of this invocation's pulls is.
-float mostViolence() {
+// Greatest correction strain of this invocation's edges.
+float maxCorrectionStrain() {
   float greatest = 0.0, w_in = select(hasBefore(1), weight_in, 0.0);
   for (int p = 0; p < PER_THREAD; ++p) {
-    greatest = max(greatest, select(isEdge(p), violence(pull[p], w_in, weight(p), inverseLength(p)), 0.0));
+    greatest = max(greatest, select(isEdge(p), correctionStrain(lambda[p], w_in, weight(p), inverseLength(p)), 0.0));
     w_in = weight(p);
   }
   return greatest;
 }
 
-// What contact leaves of a push on a vertex.
+// Projects a push on a vertex to the contact plane; unchanged without contact.
 vec3 held(vec3 push, vec3 normal) {
 #if BODIES
   return alongSurface(push, normal);
@@ -99,8 +99,8 @@ vec3 held(vec3 push, vec3 normal) {
 #endif
 }
 
-// What the pulls push the vertex of slot p with, where it gives way with this softness.
+// Push of the tension increments on the vertex of slot p, in the metric with softness `soft`.
 vec3 pushOn(int p, float soft) {
   vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
-  return held(pushOfPulls(tangent[p], pull[p], t_out, p < kLast ? pull[min(p + 1, kLast)] : pull_out, soft), NORMAL(p));
+  return held(shiftByTensions(tangent[p], lambda[p], t_out, p < kLast ? lambda[min(p + 1, kLast)] : lambda_out, soft), NORMAL(p));
 }

@@ -1,9 +1,9 @@
-// The pulls of stiff strands in very violent motion and of taut ones: kernels/stiff_pulls.h, one invocation to a strand, while the others
-// wait. Its part of rod.comp.
+// Part of rod.comp: stiff tensions (STIFF), the tension increments of taut strands and of stiff strands with large
+// correction strain, by elimination: kernels/stiff_tensions.h. One invocation per strand works; the others wait.
 
-// An edge and the vertex at its end. Once the bending matrix is eliminated, the inverse pivot of the vertex stands in place of its mass
-// and the factors of the next two inwards on it in place of what couples them; in the end its shift and the edge's pull in place of the
-// tangent and the excess.
+// An edge and the vertex at its end. eliminateBendingAlong() replaces mass by the inverse pivot, and first and second (the
+// couplings to the next two vertices inwards) by elimination factors. tensionAlong() replaces tangent by the vertex's
+// displacement and excess by the edge's tension increment.
 struct StiffEdge {
   vec3 tangent;
   float excess;
@@ -18,36 +18,37 @@ struct StiffEdge {
 #define NORMAL_OF(edge) vec3(0)
 #endif
 shared StiffEdge stiff_edges[WORKGROUP * PER_THREAD];
-// A PullRow in eight vec4: as a structure in shared memory it would take more than every driver has.
-shared vec4 pull_rows[8 * WORKGROUP * PER_THREAD];
+// A TensionRow packed in eight vec4: the padding of a structure would exceed the shared memory of some drivers.
+shared vec4 tension_rows[8 * WORKGROUP * PER_THREAD];
 
-void putPullRow(uint at, PullRow row) {
-  pull_rows[8u * at] = vec4(row.shift, row.pull);
-  pull_rows[8u * at + 1u] = vec4(row.column_x, row.far.mixed.x);
-  pull_rows[8u * at + 2u] = vec4(row.column_y, row.far.mixed.y);
-  pull_rows[8u * at + 3u] = vec4(row.column_z, row.far.mixed.z);
-  pull_rows[8u * at + 4u] = vec4(row.far.own, row.pull_by_pull);
-  pull_rows[8u * at + 5u] = vec4(row.by_pull, 0);
-  pull_rows[8u * at + 6u] = vec4(row.pull_near, 0);
-  pull_rows[8u * at + 7u] = vec4(row.pull_far, 0);
+void putTensionRow(uint at, TensionRow row) {
+  tension_rows[8u * at] = vec4(row.shift, row.lambda);
+  tension_rows[8u * at + 1u] = vec4(row.column_x, row.far.mixed.x);
+  tension_rows[8u * at + 2u] = vec4(row.column_y, row.far.mixed.y);
+  tension_rows[8u * at + 3u] = vec4(row.column_z, row.far.mixed.z);
+  tension_rows[8u * at + 4u] = vec4(row.far.own, row.lambda_by_lambda);
+  tension_rows[8u * at + 5u] = vec4(row.by_lambda, 0);
+  tension_rows[8u * at + 6u] = vec4(row.lambda_near, 0);
+  tension_rows[8u * at + 7u] = vec4(row.lambda_far, 0);
 }
-PullRow pullRow(uint at) {
-  PullRow row;
-  row.shift = pull_rows[8u * at].xyz;
-  row.column_x = pull_rows[8u * at + 1u].xyz;
-  row.column_y = pull_rows[8u * at + 2u].xyz;
-  row.column_z = pull_rows[8u * at + 3u].xyz;
-  row.far.own = pull_rows[8u * at + 4u].xyz;
-  row.far.mixed = vec3(pull_rows[8u * at + 1u].w, pull_rows[8u * at + 2u].w, pull_rows[8u * at + 3u].w);
-  row.by_pull = pull_rows[8u * at + 5u].xyz;
-  row.pull_near = pull_rows[8u * at + 6u].xyz;
-  row.pull_far = pull_rows[8u * at + 7u].xyz;
-  row.pull = pull_rows[8u * at].w;
-  row.pull_by_pull = pull_rows[8u * at + 4u].w;
+TensionRow tensionRow(uint at) {
+  TensionRow row;
+  row.shift = tension_rows[8u * at].xyz;
+  row.column_x = tension_rows[8u * at + 1u].xyz;
+  row.column_y = tension_rows[8u * at + 2u].xyz;
+  row.column_z = tension_rows[8u * at + 3u].xyz;
+  row.far.own = tension_rows[8u * at + 4u].xyz;
+  row.far.mixed = vec3(tension_rows[8u * at + 1u].w, tension_rows[8u * at + 2u].w, tension_rows[8u * at + 3u].w);
+  row.by_lambda = tension_rows[8u * at + 5u].xyz;
+  row.lambda_near = tension_rows[8u * at + 6u].xyz;
+  row.lambda_far = tension_rows[8u * at + 7u].xyz;
+  row.lambda = tension_rows[8u * at].w;
+  row.lambda_by_lambda = tension_rows[8u * at + 4u].w;
   return row;
 }
 
-// The bending matrix of the strand whose edges stand from `at` on, as in RodStep::eliminateBending (core/rod_sweep.inl).
+// Eliminates the bending matrix of the strand whose edges start at index `at` of stiff_edges, as
+// RodStep::eliminateBending() of core/rod_sweep.inl.
 void eliminateBendingAlong(uint at) {
   float alone1 = 0.0, alone2 = 0.0, sum1 = 0.0, sum2 = 0.0, across1 = 0.0, second1 = 0.0, second2 = 0.0;
   for (int e = edges - 1; e >= 0; --e) {
@@ -69,36 +70,38 @@ void eliminateBendingAlong(uint at) {
   }
 }
 
-void pullAlong(uint at) {
+// Tension increments and displacements of that strand.
+void tensionAlong(uint at) {
   eliminateBendingAlong(at);
-  OuterPulls outside = noOuterPulls();
+  OuterTensions outside = noOuterTensions();
   for (int e = edges - 1; e >= 0; --e) {
     const StiffEdge edge = stiff_edges[at + uint(e)], inside = stiff_edges[at + uint(max(e - 1, 0))];
     const bool moves = edge.weight > 0.0, moves_in = e > 0 && inside.weight > 0.0;
-    putPullRow(at + uint(e), eliminatePull(outside, moves, edge.mass, edge.first, edge.second,
+    putTensionRow(at + uint(e), eliminateTension(outside, moves, edge.mass, edge.first, edge.second,
                                            select(moves, edge.tangent, vec3(0)), select(moves_in, edge.tangent, vec3(0)),
                                            edge.excess, NORMAL_OF(edge)));
   }
-  vec3 near = vec3(0), far = vec3(0);  // shifts of the next two vertices inwards
-  float pulled = firstPull(outside);
+  vec3 near = vec3(0), far = vec3(0);  // displacements of the next two vertices inwards, m
+  float pulled = firstTension(outside);
   for (int e = 0; e < edges; ++e) {
-    const PullRow row = pullRow(at + uint(e));
+    const TensionRow row = tensionRow(at + uint(e));
     const vec3 moved = shiftOf(row, near, far, pulled);
     stiff_edges[at + uint(e)].tangent = moved;
     stiff_edges[at + uint(e)].excess = pulled;
-    pulled = pullOf(row, near, far, pulled);
+    pulled = tensionOf(row, near, far, pulled);
     far = near;
     near = moved;
   }
 }
 
-// The same as pullThroughBending(). `mine`: of this strand.
-void pullByElimination(bool mine) {
+// Applies stiff tensions in place of applyTensionsThroughBending(). `mine`: whether this strand takes part; all invocations
+// of the workgroup must call it.
+void eliminateTensions(bool mine) {
   const uint own = me * PER_THREAD, of_strand = (me - uint(rank)) * PER_THREAD;
   for (int p = 0; p < PER_THREAD; ++p) {
     StiffEdge edge;
     edge.tangent = tangent[p];
-    edge.excess = toMend(p, dot(newEdge(p), tangent[p]));
+    edge.excess = lengthResidualOf(p, dot(newEdge(p), tangent[p]));
 #if BODIES
     edge.normal = normals[p];
 #endif
@@ -106,7 +109,7 @@ void pullByElimination(bool mine) {
     edge.mass = mass(p);
     edge.first = p > 0 ? first[max(p - 1, 0)] : across.y;
     edge.second = p > 1 ? second[max(p - 2, 0)] : p > 0 ? across.z : across.x;
-    if (rank == 0 && p == 0) {  // there is no edge before it
+    if (rank == 0 && p == 0) {  // no edge before the first
       edge.first = bendAcross(stiffness[0], stiffness[1], 0.0, inverseLength(0), inverseLength(1)) - edge_stiffness[0];
       edge.second = 0.0;
     }
@@ -114,7 +117,7 @@ void pullByElimination(bool mine) {
   }
   memoryBarrierShared();
   barrier();
-  if (mine && rank == 0) pullAlong(of_strand);
+  if (mine && rank == 0) tensionAlong(of_strand);
   memoryBarrierShared();
   barrier();
   if (!mine) return;
@@ -122,8 +125,8 @@ void pullByElimination(bool mine) {
     if (!isEdge(p)) continue;
     shift[p] += stiff_edges[own + p].tangent;
     tension[p] += stiff_edges[own + p].excess;
-    pull[p] = softness[p] = 0.0;
+    lambda[p] = softness[p] = 0.0;
   }
-  if (hasBefore(1)) shift_in += stiff_edges[own - 1u].tangent;  // a taut strand's lengths are not solved again
-  pull_in = pull_out = softness_in = 0.0;
+  if (hasBefore(1)) shift_in += stiff_edges[own - 1u].tangent;  // taut strands get no second length pass, which would set it
+  lambda_in = lambda_out = softness_in = 0.0;
 }

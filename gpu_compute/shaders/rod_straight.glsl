@@ -1,16 +1,16 @@
-// Bending and twist of strands of the rod that are straight at rest, without material frames: their part of rod.comp. What comes out is what
-// rod_twist.glsl gives once twist is in balance. Needs kernels/straight_joint.h.
+// Part of rod.comp: bending and twist of strands that are straight at rest, without material frames (STRAIGHT). The result
+// is that of rod_twist.glsl with twist in equilibrium. Requires kernels/straight_joint.h.
 
 // The tangent of the edge before slot p.
 vec3 tangentBefore(int p) { return p > 0 ? tangent[max(p - 1, 0)] : tangent_in; }
 
 #if DAMPED
-vec3 swing[PER_THREAD], swing_in;  // how tangents change, while vertices are shifted to the inertial points
+vec3 swing[PER_THREAD], swing_in;  // change of tangents as vertices move to the inertial points
 void findEdgeSwing(int p) { swing[p] = alongSurface(edgeShift(p) * inverseLength(p), tangent[p]); }
 #endif
 
-// What follows from the inertial points for each edge. One without a length goes as the root stands: nothing but the state is to come from one
-// substep to the next, or a strand depends on which others its workgroup has.
+// Predicts every edge from the inertial points; see predictEdge(). An edge without length gets the root's tangent, not its
+// last one: only stored state may pass between substeps, or a strand would depend on the others of its workgroup.
 void predictEdges(RootMotion root, out float blend[PER_THREAD]) {
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1), root.tangent_old);
 #if DAMPED
@@ -22,13 +22,13 @@ void predictEdges(RootMotion root, out float blend[PER_THREAD]) {
 #endif
   send_a(vec4(tangent[kLast], last.x));
   send_b(vec4(oldEdge(kLast) * inverseLength(kLast), last.y));
-  rendezvous();
+  exchangeBarrier();
   const vec4 a = received_a(before(1)), b = received_b(before(1));
 #if DAMPED
   swing_in = vec3(a.w, b.w, received_d(before(1)));
-  swing_in = select(hasBefore(1), swing_in, vec3(0));  // that of the root is in the forces
+  swing_in = select(hasBefore(1), swing_in, vec3(0));  // edgeForce() has the root's swing
 #endif
-  release();
+  swapBank();
   tangent_in = select(hasBefore(1), a.xyz, root.tangent_old);
   blend[0] = predictEdge(0, select(hasBefore(1), b.xyz, root.tangent_old), root.tangent_old);
 #if DAMPED
@@ -37,14 +37,14 @@ void predictEdges(RootMotion root, out float blend[PER_THREAD]) {
 }
 
 #if DAMPED
-// The sum over the strand's invocations before this one, and over those after it.
+// Exclusive scans: sums over the strand's invocations before this one, and over those after it.
 float sumBefore(float value) {
   float sum = value;
   for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     send_d(sum);
-    rendezvous();
+    exchangeBarrier();
     const float other = received_d(before(1 << doubling));
-    release();
+    swapBank();
     sum += select(hasBefore(1 << doubling), other, 0.0);
   }
   return sum - value;
@@ -53,16 +53,16 @@ float sumAfter(float value) {
   float sum = value;
   for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     send_d(sum);
-    rendezvous();
+    exchangeBarrier();
     const float other = received_d(after(1 << doubling));
-    release();
+    swapBank();
     sum += select(hasAfter(1 << doubling), other, 0.0);
   }
   return sum - value;
 }
 
-// The moments of joints with internal damping: how edges spin so that they stay without twist, from root to tip, what strains gain by that,
-// and the torques of it, from tip to root.
+// Moments of joints with internal damping. A scan from root to tip gives the spin that keeps edges free of twist, and so
+// the gain of strains; a scan from tip to root sums the torques of damping.
 void findMoments(vec3 strain[PER_THREAD], float spin_of_root) {
   const float ahead = DAMPING_TIME * settings.per_substep;
   float spin[PER_THREAD], torque[PER_THREAD], sum = 0.0;
@@ -91,7 +91,7 @@ void findMoments(vec3 strain[PER_THREAD], float spin_of_root) {
 }
 #endif
 
-// What joints and edges put into the bending matrix, and the moments.
+// Stiffness of joints and edges in the bending matrix, and the moments of joints.
 void solveJoints(RootMotion root, float blend[PER_THREAD]) {
   vec3 strain[PER_THREAD];
   float margin[PER_THREAD + 1];
@@ -109,11 +109,11 @@ void solveJoints(RootMotion root, float blend[PER_THREAD]) {
   send_a(vec4(tangent[0], stiffness[0]));
   send_b(vec4(tangent[1], stiffness[1]));
   send_d(margin[0]);
-  rendezvous();
+  exchangeBarrier();
   const vec4 a = received_a(after(1)), b = received_b(after(1));
   margin[PER_THREAD] = received_d(after(1));
   margin[PER_THREAD] = select(hasAfter(1), margin[PER_THREAD], 0.0);
-  release();
+  swapBank();
   tangent_out = a.xyz;
   stiffness[PER_THREAD] = select(hasAfter(1), a.w, 0.0);
   stiffness[PER_THREAD + 1] = select(hasAfter(1), b.w, 0.0);

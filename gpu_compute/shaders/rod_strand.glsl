@@ -1,39 +1,39 @@
-// The strand of an invocation while a step lasts: rest shape and state of its PER_THREAD slots. Slot p is the joint, the
-// edge and the vertex at the edge's end with the number PER_THREAD rank + p. Slots past the strand's last edge are padding:
-// they repeat its tip, without length and stiffness. Needs strand_threads.glsl, step_input.glsl and kernels/rod.h.
+// Part of rod.comp: the strand of an invocation during a dispatch: rest shape and state of its PER_THREAD slots. Slot p
+// holds joint, edge, and outer vertex of edge number PER_THREAD rank + p. Slots past the strand's last edge are padding:
+// copies of its tip without length and stiffness. Requires strand_threads.glsl, step_input.glsl and kernels/rod.h.
 
-layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz; w: tension of the edge that ends here
-layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz; w: rest distance from bodies, m
-layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, inverse mass; see bonePoint
-layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // of the edge that starts at the vertex
-layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // rest strain, bend
-#if (UNIFORM == 1 || UNIFORM == 2) && !BODIES
-layout(std430, binding = 11) readonly buffer Edges { float edge_rest[]; };    // rows of the weight; of length and weight; or as below
-layout(location = 11) uniform uint edge_row;                                  // numbers of a row
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz, m; w: tension of the edge before, m/s^2
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz, m/s; w: distance from bodies at rest, m
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, m; w: inverse mass; see bonePoint()
+layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // x y z w, of the edge that starts at the vertex
+layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // xyz: rest strain; w: bending stiffness, m^2/s^2
+#if (STRAND_UNIFORMITY == 1 || STRAND_UNIFORMITY == 2) && !BODIES
+layout(std430, binding = 11) readonly buffer Edges { float edge_rest[]; };    // rows: weight; length, weight; or as below
+layout(location = 11) uniform uint edge_row;                                  // floats per row: 1, 2 or 4
 float restLengthAt(uint at) { return edge_rest[at * edge_row]; }
 float weightAt(uint at) { return edge_rest[at * edge_row + edge_row - 1u]; }
 #else
-layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of its end
+layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of the outer vertex (m, m^2/s^2)
 float restLengthAt(uint at) { return edge_rest[at].x; }
 float weightAt(uint at) { return edge_rest[at].w; }
 #endif
-// Places in work[]: of the strands that are to be done, and of those that are left to another program.
+// Indices in work[]: count and list of the strands to solve, and of those that are left to another variant.
 layout(location = 0) uniform uint own_count;
 layout(location = 1) uniform uint own_list;
 layout(location = 2) uniform uint left_count;
 layout(location = 3) uniform uint left_list;
 layout(location = 4) uniform int first_substep;
-layout(location = 5) uniform int end_substep;  // the first that is not done
+layout(location = 5) uniform int end_substep;  // one past the last
 #if BODIES
-layout(location = 6) uniform uint lost_count;
-layout(location = 7) uniform uint lost_list;
-layout(location = 8) uniform uint astray_count;
-layout(location = 9) uniform uint astray_list;
+layout(location = 6) uniform uint penetrating_count;
+layout(location = 7) uniform uint penetrating_list;
+layout(location = 8) uniform uint stale_count;
+layout(location = 9) uniform uint stale_list;
 #endif
 layout(location = 10) uniform uint strands_in_group;
-const uint kWholeGroup = 0xFFFFFFFFu;             // in place of a count: of all its strands
-const uint kStrands = uint(WORKGROUP / THREADS);  // of a workgroup
-const uint kMostWorkgroups = 65535u;              // in x, that every driver takes
+const uint kWholeGroup = 0xFFFFFFFFu;             // value of own_count: all strands_in_group strands
+const uint kStrands = uint(WORKGROUP / THREADS);  // strands per workgroup
+const uint kMostWorkgroups = 65535u;              // in x: the limit that every driver supports
 
 uint strand, root_vertex;
 StrandRest rest;
@@ -44,21 +44,21 @@ bool kinked;        // isKinked()
 #endif
 bool cut_unevenly;  // isCutUnevenly()
 bool between_pins;  // hangsBetweenPins()
-float borne;        // violenceBorne()
+float correction_limit;        // correctionLimit()
 bool taut;          // isTaut()
-bool exists;  // invocations past the last strand go along with copies of it, because every one must reach each barrier
+bool exists;  // false: past the last strand; works on a copy of it, because all invocations must reach every barrier
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
 float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
-float most_tension;                 // m, that is taken over from one substep to the next
+float most_tension;                 // m, bound on the warm start: tensionBound()
 #if STRAIGHT
-vec4 first_frame;                   // of the strand's first edge
+vec4 first_frame;                   // material frame of the strand's first edge
 #else
 vec4 frame[PER_THREAD];
-vec3 rest_strain[PER_THREAD];       // of the joint of slot p
+vec3 rest_strain[PER_THREAD];       // Darboux vector at rest of the joint of slot p
 #endif
 vec3 x_in, v_in;                    // of the vertex before slot 0
-float bends[PER_THREAD];            // of the joint of slot p, m^2/s^2
+float bends[PER_THREAD];            // bending stiffness of the joint of slot p, m^2/s^2
 
 #if EDGES > 0
 const int edges = EDGES;
@@ -93,16 +93,17 @@ bool isTip(int p) {
 }
 
 #if GROOMED
-float keeps[PER_THREAD], keep_in;    // of the velocity, what the air leaves
-float time2s[PER_THREAD];            // s^2, see DragStep
-float goal_stiffness[PER_THREAD];    // of the goal pull; masses and weights have it added
-vec2 strand_grooming;                // factors of friction and damping time
+float keeps[PER_THREAD], keep_in;    // DragStep::keep
+float time2s[PER_THREAD];            // s^2, DragStep::time2
+float goal_stiffness[PER_THREAD];    // goalStiffness(); mass() includes it
+vec2 strand_grooming;                // the strand's factors of friction and damping time
 #define KEEP(p) keeps[p]
 #define KEEP_IN keep_in
 #define DAMPING_TIME (settings.damping_time * strand_grooming.y)
 
-// Of the vertex at the end of the edge that starts at `at`, whose mass is `own` at rest; pinned ones have none.
+// Goal stiffness of the outer vertex of the edge that starts at vertex `at`; `own`: its mass. Not for pinned vertices.
 float goalStiffnessOf(uint at, float own) { return goalStiffness(own, goalRateOf(at + 1u), settings.time2); }
+// Mass of that vertex in the bending matrix: with the drag's time2 and the goal stiffness.
 float groomedMass(uint at, float own) {
   return madd(own, settings.time2 / time2Of(at + 1u), goalStiffnessOf(at, own));
 }
@@ -111,7 +112,7 @@ float groomedMass(uint at, float own) {
 #define KEEP_IN settings.keep
 #define DAMPING_TIME settings.damping_time
 #endif
-// Of the joint of slot p; AHEAD_AT over the substep, `ahead` that of all joints.
+// DAMPING_TIME_AT: damping time of the joint of slot p, s. AHEAD_AT: the same in substeps; `ahead`: that of all joints.
 #if GROOMED == 2 && DAMPED
 float damping_times[PER_THREAD];
 #define DAMPING_TIME_AT(p) damping_times[p]
@@ -121,11 +122,11 @@ float damping_times[PER_THREAD];
 #define AHEAD_AT(p) ahead
 #endif
 
-// The greatest of the strand's edges, see stiffnessOf().
+// Greatest stiffness ratio of the strand's edges, see stiffnessOf().
 float kappa() { return rest.stiffest * settings.time2; }
 
-#if UNIFORM == 0
-// Length, twist; mass, weight of the vertex at the end of the edge that starts at `at`.
+#if STRAND_UNIFORMITY == 0
+// Length, twist, and mass and weight of the outer vertex, of the edge that starts at vertex `at`.
 vec4 edgeRest(uint at) {
   vec4 edge = edge_rest[at];
 #if GROOMED
@@ -136,20 +137,20 @@ vec4 edgeRest(uint at) {
 #endif
   return edge;
 }
-vec4 edge[PER_THREAD];  // length, twist; mass, weight of the vertex
+vec4 edge[PER_THREAD];  // length, twist; mass, weight of the outer vertex
 float weight_in;        // of the vertex before slot 0
 float restLength(int p) { return edge[p].x; }
 float twist(int p) { return edge[p].y; }
 float mass(int p) { return edge[p].z; }
 float weight(int p) { return edge[p].w; }
 #else
-// Twist in one ratio to bend.
+// Constant ratio of twisting to bending stiffness.
 float twist(int p) { return bends[p] * rest.twist_per_bend; }
-#if UNIFORM == 3
-// Masses 1, at the tip 1/2.
+#if STRAND_UNIFORMITY == 3
+// Masses are 1, at the tip 1/2.
 const float weight_in = 1.0;
 #if EDGES > 0
-float tip_mass, tip_weight;  // of the slot that is the strand's tip in the last invocation that has edges
+float tip_mass, tip_weight;  // of slot kTip, which is the strand's tip in the last invocation with edges
 const int kTip = (EDGES - 1) % PER_THREAD;
 float mass(int p) { return p == kTip ? tip_mass : 1.0; }
 float weight(int p) { return p == kTip ? tip_weight : 1.0; }
@@ -169,14 +170,14 @@ float weight(int p) { return weights[p]; }
 #endif
 #endif
 
-#if UNIFORM >= 2
-// One length along the strand.
+#if STRAND_UNIFORMITY >= 2
+// All edges have one length.
 float restLength(int p) { return isEdge(p) ? rest.edge_length : 0.0; }
 float inverseLength(int p) { return rest.inverse_length; }
 float inverseLengthIn() { return rest.inverse_length; }
 float inverseLengthOut() { return rest.inverse_length; }
 #else
-#if UNIFORM == 1
+#if STRAND_UNIFORMITY == 1
 float lengths[PER_THREAD];
 float restLength(int p) { return lengths[p]; }
 #endif
@@ -188,7 +189,7 @@ float inverseLengthIn() { return inverse_length_in; }
 float inverseLengthOut() { return inverse_length_out; }
 #endif
 
-// How much air, and what else accelerates vertices besides gravity, drives one of the strand, at most: m/s^2.
+// Upper bound of the acceleration of the strand's vertices by wind and external accelerations, m/s^2.
 float drivenByAir() {
   const float wind = length(settings.wind.xyz) * settings.air_drag;
 #if GROOMED || ACCELERATED
@@ -216,7 +217,7 @@ float mostTautness();  // shaders/rod_pinned.glsl
 float mostTautness() { return 1.0; }
 #endif
 
-// The strand of this invocation; arguments: see stepStrands.
+// Loads the strand of this invocation; arguments as of stepStrands().
 void loadStrand(uint list, uint first, uint count) {
   placeInvocation();
   uint number = first + me / uint(THREADS);
@@ -230,11 +231,11 @@ void loadStrand(uint list, uint first, uint count) {
 #endif
   cut_unevenly = (traits & 2) != 0;
   between_pins = (traits & 4) != 0;
-  borne = violenceBorne((traits & 9) != 0, kappa());
+  correction_limit = correctionLimit((traits & 9) != 0, kappa());
 #if EDGES == 0
   edges = int(offsets[strand + 1u] - root_vertex) - 1;
 #endif
-#if UNIFORM == 3 && EDGES > 0
+#if STRAND_UNIFORMITY == 3 && EDGES > 0
   tip_mass = isTip(kTip) ? 0.5 : 1.0;
   tip_weight = isTip(kTip) ? 2.0 : 1.0;
 #endif
@@ -248,19 +249,19 @@ void loadStrand(uint list, uint first, uint count) {
     frame[p] = frames[at];
     rest_strain[p] = joints[at].xyz;
 #endif
-#if STRAIGHT && UNIFORM == 3
+#if STRAIGHT && STRAND_UNIFORMITY == 3
     bends[p] = isEdge(p) ? rest.bend : 0.0;
 #else
     bends[p] = isEdge(p) ? joints[at].w : 0.0;
 #endif
-#if UNIFORM == 0
+#if STRAND_UNIFORMITY == 0
     edge[p] = edgeRest(at);
     inverse_lengths[p] = boundedInverse(edge[p].x);
     if (!isEdge(p)) edge[p].x = edge[p].y = 0.0;
-#elif UNIFORM < 3
+#elif STRAND_UNIFORMITY < 3
     weights[p] = ownWeight(at);
 #endif
-#if UNIFORM == 1
+#if STRAND_UNIFORMITY == 1
     const float own_length = restLengthAt(at);
     inverse_lengths[p] = boundedInverse(own_length);
     lengths[p] = isEdge(p) ? own_length : 0.0;
@@ -274,22 +275,22 @@ void loadStrand(uint list, uint first, uint count) {
     damping_times[p] = settings.damping_time * frictionAndDampingOf(at).y;
 #endif
   }
-#if STRAIGHT && UNIFORM == 3
+#if STRAIGHT && STRAND_UNIFORMITY == 3
   bends[0] = select(rank > 0, bends[0], rest.root_bend);
 #endif
   uint at = root_vertex + uint(min(rank * PER_THREAD, edges));
   x_in = positions[at].xyz;
   v_in = velocities[at].xyz;
-#if UNIFORM < 3
-  const uint before_slots = max(at, root_vertex + 1u) - 1u;  // its edge
-#if UNIFORM == 0
+#if STRAND_UNIFORMITY < 3
+  const uint before_slots = max(at, root_vertex + 1u) - 1u;  // edge that ends at the vertex before slot 0
+#if STRAND_UNIFORMITY == 0
   const float own_weight = edgeRest(before_slots).w;
 #else
   const float own_weight = ownWeight(before_slots);
 #endif
   weight_in = rank > 0 ? own_weight : 0.0;
 #endif
-#if UNIFORM < 2
+#if STRAND_UNIFORMITY < 2
   inverse_length_in = boundedInverse(restLengthAt(before_slots));
   inverse_length_out = boundedInverse(restLengthAt(root_vertex + uint(min((rank + 1) * PER_THREAD, edges - 1))));
 #endif
@@ -302,6 +303,7 @@ void loadStrand(uint list, uint first, uint count) {
   most_tension = tensionBound(rest.free_mass, rest.arc_length, driven, settings.time2);
 }
 
+// Entry of positions[] for the vertex of slot p.
 vec4 placed(int p) { return vec4(x[p], tension[p] / settings.time2); }
 void storeVertex(int slot, vec4 position, vec3 velocity) {
   if (slot >= edges) return;
@@ -321,8 +323,8 @@ void storeStrand() {
 #endif
   }
 #if SHUFFLED && THREADS > 1
-  // Two neighbours write what lies side by side, so that memory gets whole sectors: vertices start with the second of a sector,
-  // frames with the first. `pair`: the first slot of both.
+  // Each pair of invocations writes adjacent entries together, so that memory receives whole sectors. Vertices start at the
+  // second entry of a sector (the root has the first), frames at the first. `pair`: the pair's first slot.
   const bool outer = (rank & 1) == 1;
   const int pair = (rank & ~1) * PER_THREAD;
   const uint other = me ^ 1u;
@@ -360,9 +362,9 @@ void storeStrand() {
 #endif
 }
 
-// Guides are what the whole step gives.
+// Stores the guides: positions after the whole step.
 #if BODIES
-// Until then they may be accelerations. `stays`: the strand has been stored.
+// Only after the last substep: until then the buffer may hold accelerations. `stays`: the strand has been stored.
 void storeGuides(bool stays) {
   if (!stays || end_substep != int(settings.substeps)) return;
   if (rank == 0) storeGuide(root_vertex, x_in);
@@ -370,8 +372,8 @@ void storeGuides(bool stays) {
     if (isEdge(p)) storeGuide(root_vertex + uint(rank * PER_THREAD + p) + 1u, x[p]);
 }
 #else
-// Invocations that wrote their own would each touch every sector of the strand's again and again. So they put them together,
-// and the workgroup writes strand by strand. To be called by all invocations.
+// Gathers the guides in shared memory, and the workgroup writes strand by strand: if each invocation wrote its own,
+// every sector would be written several times. All invocations of the workgroup must call it.
 const uint kGuideRow = uint(THREADS * PER_THREAD + 1) * 3u;
 shared float together[kStrands * kGuideRow];
 shared uint guides_from[kStrands], guide_numbers[kStrands];
@@ -393,6 +395,6 @@ void storeGuides(bool stays) {
   barrier();
   for (uint s = 0u; s < kStrands; ++s)
     for (uint i = me; i < guide_numbers[s]; i += uint(WORKGROUP)) guides[guides_from[s] + i] = together[s * kGuideRow + i];
-  barrier();  // before the workgroup's next strands put theirs there
+  barrier();  // before the workgroup's next strands overwrite `together`
 }
 #endif

@@ -1,13 +1,13 @@
-// Bending and twist of a strand of the rod by material frames: their part of rod.comp. rod_straight.glsl is the other.
+// Part of rod.comp: bending and twist of a strand by material frames; rod_straight.glsl does without frames (STRAIGHT).
 
-// Of the edge before slot 0, in the present substep.
+// Of the edge before slot 0, in the current substep.
 vec4 frame_in;
 vec3 turned_in;  // see edgeTurning()
 
-// How the edge of slot p turns, while vertices are shifted to the inertial points.
+// Rotation of the edge of slot p as vertices move to the inertial points, in its frame, radians; without twist.
 vec3 edgeTurning(int p) { return turningOf(frame[p], edgeShift(p) * inverseLength(p)); }
 
-// predictEdge(), and the frame of the edge carried along.
+// predictEdge(), and parallel transport of the edge's frame to the new tangent.
 float carryEdge(int p, vec3 unit_in) {
   vec3 own = frameTangent(frame[p]);
   float blend = predictEdge(p, unit_in, own);
@@ -15,7 +15,7 @@ float carryEdge(int p, vec3 unit_in) {
   return blend;
 }
 
-// What follows from the inertial points for each edge.
+// Predicts every edge from the inertial points.
 void predictEdges(RootMotion root, out float blend[PER_THREAD]) {
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = carryEdge(p, oldEdge(p - 1) * inverseLength(p - 1));
 #if DAMPED
@@ -26,27 +26,28 @@ void predictEdges(RootMotion root, out float blend[PER_THREAD]) {
   send_a(frame[kLast]);
   send_b(vec4(tangent[kLast], turned.x));
   send_c(vec4(oldEdge(kLast) * inverseLength(kLast), turned.y));
-  rendezvous();
+  exchangeBarrier();
   frame_in = received_a(before(1));
   vec4 b = received_b(before(1)), c = received_c(before(1));
-  release();
+  swapBank();
   tangent_in = b.xyz;
   vec3 unit_in = c.xyz;
   frame_in = select(hasBefore(1), frame_in, root.inner_frame);
   tangent_in = select(hasBefore(1), tangent_in, root.tangent_old);
   unit_in = select(hasBefore(1), unit_in, root.tangent_old);
 #if DAMPED
-  turned_in = select(hasBefore(1), vec3(b.w, c.w, 0), vec3(0, 0, root.spin));  // the swing of the root is in the forces
+  turned_in = select(hasBefore(1), vec3(b.w, c.w, 0), vec3(0, 0, root.spin));  // edgeForce() has the root's swing
 #endif
   blend[0] = carryEdge(0, unit_in);
 }
 
-// What joints and edges put into the bending matrix; the frames twisted to where the torques balance; then the moments.
+// Stiffness of joints and edges in the bending matrix. Then twists the frames to torque equilibrium (tridiagonal system),
+// and computes the moments of joints.
 void solveJoints(RootMotion root, float blend[PER_THREAD]) {
   vec3 strain[PER_THREAD];
   float margin[PER_THREAD + 1];
   float twist_diagonal[PER_THREAD], lower[PER_THREAD], turn[PER_THREAD];
-  float own_first, torque_first;  // what joint 0 adds to the last row of the invocation before
+  float own_first, torque_first;  // part of joint 0 in the last row of the invocation before
 #if DAMPED
   vec3 gained[PER_THREAD], turned_before = turned_in;
   const float ahead = DAMPING_TIME * settings.per_substep;
@@ -87,10 +88,10 @@ void solveJoints(RootMotion root, float blend[PER_THREAD]) {
   send_a(vec4(stiffness[0], stiffness[1], margin[0], 0));
   send_b(vec4(tangent[0], own_first));
   send_c(vec4(tangent[1], torque_first));
-  rendezvous();
+  exchangeBarrier();
   vec3 a = select(hasAfter(1), received_a(after(1)).xyz, vec3(0));
   vec4 b = received_b(after(1)), c = received_c(after(1));
-  release();
+  swapBank();
   vec3 tangent_out2 = c.xyz;
   tangent_out = b.xyz;
   stiffness[PER_THREAD] = a.x;

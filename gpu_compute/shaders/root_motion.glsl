@@ -1,24 +1,24 @@
-// How a strand's root moves in each substep. Needs kernels/rod.h, step_input.glsl and root_poses.glsl.
+// Motion of a strand's root in a substep. Requires kernels/rod.h, step_input.glsl and root_poses.glsl.
 
 struct RootMotion {
   vec3 position;     // m, at the end of the substep
-  vec3 jump;         // m, unexpected motion
-  vec3 tangent_old;  // of the root before the substep
+  vec3 jump;         // m, difference of the position to going on at the last velocity
+  vec3 tangent_old;  // of the root frame at the start of the substep, unit
   vec4 rotation;     // at the end of the substep
-  float spin;        // radians, of the root about its tangent in the substep
-  vec3 swing;        // how its tangent changes
-  vec4 inner_frame;  // of the root, without the swing of this substep
-  float time;        // part of the step that has passed at the end of the substep
+  float spin;        // radians, rotation of the root frame about its tangent in the substep
+  vec3 swing;        // change of the tangent in the substep
+  vec4 inner_frame;  // root frame at the end of the substep, swung back to tangent_old
+  float time;        // fraction of the step that has passed at the end of the substep
 };
 
-// What follows from the others.
+// Computes `swing` and `inner_frame` from `rotation` and `tangent_old`.
 void findSwing(inout RootMotion root) {
   const vec3 tangent = frameTangent(root.rotation);
   root.swing = tangent - root.tangent_old;
   root.inner_frame = multiply(rotationBetween(tangent, root.tangent_old), root.rotation);
 }
 
-// In a substep, of which `done` in a row have gone before since the root was at `start` with this velocity.
+// Motion in a substep. `done`: substeps of this step since the root was stored, at `start` (m) with `velocity` (m/s).
 RootMotion motionOfRoot(RootPoses poses, int substep, int done, vec3 start, vec3 velocity) {
   const Pose begin = poses.begin, end = poses.end;
   const vec3 way = end.position - begin.position;

@@ -1,6 +1,6 @@
-// Where the bones take the strands' roots. Needs step_input.glsl and strand_offsets.glsl.
+// Poses of the strands' roots, carried by their bones. Requires step_input.glsl and strand_offsets.glsl.
 struct RootPoses {
-  Pose begin, end;  // of the step
+  Pose begin, end;  // at the start and the end of the step
 };
 
 Pose carriedRoot(Pose rest, Pose bone) {

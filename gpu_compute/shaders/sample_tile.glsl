@@ -1,47 +1,47 @@
-// The samples of a workgroup (gpu_compute/sample_tiles.h), which stand for the pieces of strands on the grid
-// (air/strand_samples.h), and where they are. In memory vertices follow each other along a strand, in the grid the neighbour
-// of a sample is the same piece of the next strand. Needs air_settings.glsl.
+// The samples of a workgroup (gpu_compute/sample_tiles.h), which represent the pieces of strands on the grid
+// (air/strand_samples.h). Vertices are stored along strands; samples are stored so that neighbours in space are adjacent,
+// often the same piece of the next strand. Requires air_settings.glsl.
 #define TILE_SAMPLES 320  // kTileSamples
 layout(local_size_x = TILE_SAMPLES) in;
-layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // m, world
-layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // m/s
-struct SampleTile {
+layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // xyz, m, world
+layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s
+struct SampleTile {  // gpu_compute/sample_tiles.h
   uint first_strand, strands, first_piece, pieces;
   uint edges, pieces_of_strand, parts, margin;
 };
 layout(std430, binding = 2) readonly buffer Tiles { SampleTile tiles[]; };
-layout(std430, binding = 3) readonly buffer Roots { uint roots[]; };  // the first vertices of strands
-layout(std430, binding = 10) readonly buffer Order { uint order[]; };  // by place: strand + 65536 piece
-layout(std430, binding = 4) readonly buffer EdgeMasses { vec2 edge_masses[]; };  // kg, at start and end; 0 at tips
+layout(std430, binding = 3) readonly buffer Roots { uint roots[]; };  // first vertex of each strand, in the order of tiles
+layout(std430, binding = 10) readonly buffer Order { uint order[]; };  // per sample: strand + 65536 x piece, of the tile
+layout(std430, binding = 4) readonly buffer EdgeMasses { vec2 edge_masses[]; };  // kg, at the edge's start and end; 0 at tips
 
-// What splatting finds, in planes of all samples: places in nodes, below 0 where hair went wrong, and velocities in
-// m/s.
+// Results of hair_splat.comp, in three planes (x, y, z) of all samples: positions in indices of hair nodes, negative for
+// invalid samples; velocities, m/s.
 layout(std430, binding = 5) buffer Places { float places[]; };
 layout(std430, binding = 9) buffer Motions { float motions[]; };
 
 uint workgroupNumber() { return gl_WorkGroupID.x + gl_NumWorkGroups.x * gl_WorkGroupID.y; }
 
-// The first edge of a piece, from its strand's first on.
+// First edge of a piece, counted from the strand's first edge.
 uint edgeOf(SampleTile tile, uint piece) {
   if (tile.parts > 1u) return piece / tile.parts;
   return tile.pieces_of_strand == tile.edges ? piece : piece * tile.edges / tile.pieces_of_strand;
 }
-// The piece of an edge, its first part's.
+// Piece of an edge; of an edge in several parts, the piece of its first part.
 uint pieceOfEdge(SampleTile tile, uint edge) {
   if (tile.parts > 1u) return edge * tile.parts;
   return tile.pieces_of_strand == tile.edges ? edge : ((edge + 1u) * tile.pieces_of_strand - 1u) / tile.edges;
 }
 
-// The middle of a piece's masses partAhead() of a step from now, their mean velocity, and what they come to.
+// Centre of mass of a piece, m, extrapolated by extrapolationShare() of the step; its mean velocity, m/s; its mass, kg.
 struct Sample {
   vec3 place, motion;
   float mass;
 };
-vec3 placeAhead(vec3 place, vec3 motion) { return madd(motion, partAhead() * air.seconds, place); }
-// `root`: of its strand.
+vec3 placeAhead(vec3 place, vec3 motion) { return madd(motion, extrapolationShare() * air.seconds, place); }
+// `root`: first vertex of the piece's strand.
 Sample sampleOf(SampleTile tile, uint root, uint piece) {
   uint first = root + edgeOf(tile, piece), last = tile.parts > 1u ? first + 1u : root + edgeOf(tile, piece + 1u);
-  // What of an edge's mass at either end is the piece's.
+  // The piece's shares of the edge's mass at its start and its end.
   vec2 share = vec2(1);
   if (tile.parts > 1u) {
     float at = (float(piece % tile.parts) + 0.5) / float(tile.parts);
@@ -66,7 +66,7 @@ Sample sampleOf(SampleTile tile, uint root, uint piece) {
   return Sample(placeAhead(sum.place * per_mass, mean), mean, sum.mass);
 }
 
-// From a piece's first vertex to its last, m. `root`: of its strand.
+// Vector from a piece's first vertex to its last, m. `root`: first vertex of its strand.
 vec3 chordOf(SampleTile tile, uint root, uint piece) {
   uint first = root + edgeOf(tile, piece), last = tile.parts > 1u ? first + 1u : root + edgeOf(tile, piece + 1u);
   return positions[last].xyz - positions[first].xyz;
@@ -76,7 +76,7 @@ uint plane() { return air.tiles * uint(TILE_SAMPLES); }
 vec3 placeOf(uint at) { return vec3(places[at], places[plane() + at], places[2u * plane() + at]); }
 vec3 motionOf(uint at) { return vec3(motions[at], motions[plane() + at], motions[2u * plane() + at]); }
 
-// n / by and n % by, of numbers within a workgroup.
+// n / by and n % by, in floating point; exact for numbers as small as a workgroup's.
 uvec2 divided(uint n, uint by) {
   uint whole = uint((float(n) + 0.5) / float(by));
   return uvec2(whole, n - whole * by);

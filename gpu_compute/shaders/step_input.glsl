@@ -1,7 +1,8 @@
-// What a step is told: settings, poses of roots and bones, and bodies, in the slot of the upload ring that is bound for it.
-// Needs kernels/rotation.h.
+// Input of a step: settings, poses of bones and roots, and bodies, as UploadRing (gpu_compute/mapped_rings.h) uploads them.
+// Requires kernels/rotation.h.
+// ACCELERATED: 0, 1: every vertex has an external acceleration. Undefined counts as 0.
 
-struct PlacedBody {  // gpu_compute/placed_bodies.h
+struct PlacedBody {  // units and frames: gpu_compute/placed_bodies.h
   vec3 middle;
   float ball;
   vec3 a;
@@ -20,42 +21,44 @@ struct PlacedBody {  // gpu_compute/placed_bodies.h
   float time;
   float bend_shift;
 };
-const float kAlike = 1e-4;  // m, by which bodies with one leader may move strands differently in a step
+const float kAlike = 1e-4;  // m, bound on how differently bodies with one leader move points in a step
 layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   vec4 gravity;
   vec4 wind;
   float keep;           // exp(-drag substep)
-  float time2;          // s^2, of an acceleration how far it takes a vertex in a substep: see DragStep
+  float time2;          // s^2, displacement in a substep per acceleration: see DragStep
   float substep;        // s
   float per_substep;    // 1 / substep
   float strength_root;  // of the angular constraint, per iteration
   float strength_tip;
   float damping_time;   // s, of the rod
-  float hair_radius;
-  float air_drag;       // 1/s, where it differs between strands
+  float hair_radius;    // m
+  float air_drag;       // 1/s, before a strand's grooming factor
   float goal_rate;      // 1/s
   uint substeps;
   uint iterations;
   uint body_count;
   uint strand_count;
   uint bone_count;
-  uint neighbourhoods;  // with lists of near bodies; 0 = every strand may touch every body
+  uint neighbourhoods;  // number of near-body lists; 0: every strand may touch every body
 } settings;
 
-// The part of the step that has passed at the end of a substep.
+// Fraction of the step that has passed at the end of a substep, 0 to 1.
 float timeAfter(int substep) { return float(substep + 1) / float(settings.substeps); }
 
-// 7 per pose: of bones at the beginning of the step, then at its end; of the strands' roots at rest, in the groom's frame.
+// 7 floats per pose, position then rotation x y z w: bones at the start of the step, bones at its end, then the rest poses
+// of the strands' roots in the groom's frame.
 layout(std430, binding = 6) readonly buffer Poses { float poses[]; };
-// body_count at the end of the first substep, then of the next, and so on.
+// body_count bodies at the end of the first substep, then of the second, and so on.
 layout(std430, binding = 7) readonly buffer Bodies { PlacedBody bodies[]; };
 PlacedBody bodyAt(uint index, int substep) { return bodies[uint(substep) * settings.body_count + index]; }
+// ShapeData::words of core/contact_primitive.h.
 layout(std430, binding = 14) readonly buffer Shapes { uint shape_words[]; };
-// Where the list of each neighbourhood starts (one more than there are), then the lists; then the same of the leaders of these
-// bodies, each once.
+// Near-body lists: neighbourhoods + 1 offsets, then the lists; then the same for the leaders of these bodies, each leader
+// once per list.
 layout(std430, binding = 15) readonly buffer Near { uint near_bodies[]; };
-// 3 per vertex. What the step gives: positions. ACCELERATED: what is told until then, accelerations in m/s^2; a buffer of
-// their own would be one more than every driver takes.
+// 3 floats per vertex. ACCELERATED: external accelerations, m/s^2, until the step stores the vertex's new position, m.
+// Both share a buffer because a further one would exceed the storage buffers that every driver supports.
 layout(std430, binding = 8) buffer Guides { float guides[]; };
 void storeGuide(uint vertex, vec3 position) {
   guides[vertex * 3u] = position.x;
@@ -83,8 +86,8 @@ Pose poseAt(uint index) {
 // As Pose::apply() of core/geometry.h.
 vec3 apply(Pose pose, vec3 point) { return rotate(pose.rotation, point) + pose.position; }
 
-// Where its bone holds a vertex at `time`, the part of the step that has passed; of a rest_local entry with w < 0:
-// minus 1 minus the bone's number, and the position in the groom's frame.
+// Position of a vertex that a bone prescribes, at `time` (fraction of the step that has passed). `local`: its rest_local
+// entry. w < 0: -1 - bone number; xyz: position in the groom's frame, m.
 vec3 bonePoint(vec4 local, float time) {
   uint bone = uint(-local.w) - 1u;
   vec3 begin = apply(poseAt(bone), local.xyz), end = apply(poseAt(bone + settings.bone_count), local.xyz);

@@ -1,6 +1,8 @@
 #version 450
-// The frames of strands that are straight at rest, from that of their first edge and where their vertices are: carried along without twist. For
-// who wants them; rod.comp does such strands without (STRAIGHT). An invocation does a strand.
+// Material frames of strands that are straight at rest, by parallel transport of the first edge's frame along the edges.
+// rod.comp with STRAIGHT keeps only the first frame; this pass runs before a download or before a step among bodies.
+// Reads: positions, the frame of each strand's first edge. Writes: the frames of its other edges.
+// One invocation per strand.
 layout(local_size_x = 32) in;
 
 #include "kernels/lanes_glsl.h"

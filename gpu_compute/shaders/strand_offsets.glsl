@@ -1,2 +1,3 @@
-// First vertex of each strand, one more than there are; then the neighbourhood of each; then the bone that its root rides on.
+// strand_count + 1 offsets: the first vertex of each strand, then the number of vertices. Then per strand its
+// neighbourhood, then per strand the bone that carries its root.
 layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };

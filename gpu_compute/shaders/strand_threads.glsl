@@ -1,11 +1,13 @@
-// A strand spread over THREADS neighbouring invocations of a workgroup, PER_THREAD edges each, and how they pass values: send
-// own ones, rendezvous, receive those of another, release. All must do so together, and receive outside of conditions.
-// SHUFFLED: from register to register. Else through shared memory, in two banks by turns, so that an exchange has one barrier: who
-// sends again has passed the barrier that all reach once they have received what stands there.
+// A strand spread over THREADS neighbouring invocations of a workgroup, PER_THREAD edges each, and the exchange of values
+// between them. Protocol of an exchange: send_*(), exchangeBarrier(), received_*(), swapBank(). All invocations must run it
+// together, and must call received_*() in uniform control flow.
+// SHUFFLED: 0: through shared memory, alternating between two banks. An exchange then needs one barrier: an invocation
+//              overwrites a bank only after the barrier of the next exchange, when all have read that bank.
+//           1: from register to register, by subgroupShuffle().
 const int kLast = PER_THREAD - 1;
 
-uint me;   // this invocation in its workgroup
-int rank;  // and in its strand, from the root
+uint me;   // number of this invocation in its workgroup
+int rank;  // and in its strand, 0 at the root
 
 #if SHUFFLED
 vec4 sent_a, sent_b, sent_c;
@@ -18,20 +20,20 @@ vec4 received_a(uint from) { return subgroupShuffle(sent_a, from); }
 vec4 received_b(uint from) { return subgroupShuffle(sent_b, from); }
 vec4 received_c(uint from) { return subgroupShuffle(sent_c, from); }
 float received_d(uint from) { return subgroupShuffle(sent_d, from); }
-void rendezvous() {}
-void release() {}
+void exchangeBarrier() {}
+void swapBank() {}
 #else
 shared vec4 exchange_a[2 * WORKGROUP];
 shared vec4 exchange_b[2 * WORKGROUP];
 shared vec4 exchange_c[2 * WORKGROUP];
 shared float exchange_d[2 * WORKGROUP];
-uint bank;  // where the one begins that is sent to next
+uint bank;  // start of the bank that send_*() writes to
 void send_a(vec4 value) { exchange_a[bank + me] = value; }
 void send_b(vec4 value) { exchange_b[bank + me] = value; }
 void send_c(vec4 value) { exchange_c[bank + me] = value; }
 void send_d(float value) { exchange_d[bank + me] = value; }
-// Through global variables: a local one that is used once Mesa may move, and with it the read, past the rendezvous after it
-// (opt_tree_grafting), where it reads what others send next.
+// The values pass through global variables. Mesa (opt_tree_grafting) may move a local variable that is used once, and its
+// shared-memory read, past the next barrier; the read would then see what others send next.
 vec4 got_a, got_b, got_c;
 float got_d;
 vec4 received_a(uint from) {
@@ -50,13 +52,13 @@ float received_d(uint from) {
   got_d = exchange_d[bank + from];
   return got_d;
 }
-void rendezvous() { barrier(); }
-void release() { bank ^= uint(WORKGROUP); }
+void exchangeBarrier() { barrier(); }
+void swapBank() { bank ^= uint(WORKGROUP); }
 #endif
 
-// Neighbours towards the root and the tip. Past the ends of the strand it is this invocation itself, so that nothing, not
-// even a NaN, is ever read from another strand; callers select what holds there.
-uint rootward, tipward;  // those at distance 1, which are wanted most
+// Invocations `distance` towards the root and the tip. Past the strand's ends they are this invocation itself, so that
+// no value, not even a NaN, comes from another strand; callers select the boundary value.
+uint rootward, tipward;  // those at distance 1, the most frequent; cached
 bool has_rootward, has_tipward;
 uint before(int distance) { return distance == 1 ? rootward : rank >= distance ? me - uint(distance) : me; }
 uint after(int distance) { return distance == 1 ? tipward : rank + distance < THREADS ? me + uint(distance) : me; }
@@ -77,16 +79,16 @@ void placeInvocation() {
   tipward = has_tipward ? me + 1u : me;
 }
 
-// How often a loop with a rendezvous runs. Where that is a barrier compilers are not to know the number, or they would unroll
-// the loop: a processor (Mesa's llvmpipe) splits a program at every barrier, and takes as long for it as their square. Nor
-// where a GPU is full of strands (MANY): there the length of a program counts more than how long one strand takes.
+// Trip count of a loop that contains an exchange, hidden from the compiler to prevent unrolling in two cases. With barriers
+// Mesa's llvmpipe splits a program at each barrier, in time that grows with the square of their number. With MANY strands
+// a GPU is full, and program length costs more than the latency of one strand.
 #if SHUFFLED && !MANY
 #define REPEATS(number) (number)
 #else
 #define REPEATS(number) (settings.substeps > 0u ? (number) : 0)
 #endif
 
-// Doublings from 1 to THREADS.
+// log2(THREADS): rounds of a scan or reduction over the strand's invocations.
 #if THREADS == 1
 const int kDoublings = 0;
 #elif THREADS == 2
@@ -101,13 +103,13 @@ const int kDoublings = 4;
 const int kDoublings = 5;
 #endif
 
-// The greatest over the strand's invocations.
+// The maximum over the strand's invocations, in each of them.
 float strandMax(float value) {
   for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     send_d(value);
-    rendezvous();
+    exchangeBarrier();
     value = max(value, received_d(me ^ (1u << doubling)));
-    release();
+    swapBank();
   }
   return value;
 }
@@ -115,9 +117,9 @@ float strandMax(float value) {
 float strandSum(float value) {
   for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     send_d(value);
-    rendezvous();
+    exchangeBarrier();
     value += received_d(me ^ (1u << doubling));
-    release();
+    swapBank();
   }
   return value;
 }

@@ -1,25 +1,26 @@
-// Symmetric tridiagonal systems along a strand, a row per edge. Every invocation eliminates its rows but the last; what is
-// left couples only the last rows of neighbours and is solved by parallel cyclic reduction (Hockney 1965).
-// Needs strand_threads.glsl.
+// Symmetric tridiagonal systems along a strand, one row per edge. Each invocation eliminates all of its rows but the last.
+// The reduced system couples the last rows of neighbours only; parallel cyclic reduction (Hockney 1965) solves it.
+// Requires strand_threads.glsl.
 
-// Of either: the rows before the last, whose solution is `solved`, from what couples them to it and to the invocation before.
-// Returns the solution in the row before row 0, or 0 where there is none.
+// Back substitution of both solvers, in place of `value`. `solved`: the solution of the last row. `to_before`,
+// `to_after`: what couples each row to the last row of the invocation before and to the row after it.
+// Returns the solution of the row before row 0, or 0 where there is none.
 float substituted(float solved, float to_before[PER_THREAD], float to_after[PER_THREAD], inout float value[PER_THREAD]) {
   float solved_before = 0.0;
 #if THREADS > 1
   send_d(solved);
-  rendezvous();
+  exchangeBarrier();
   solved_before = select(hasBefore(1), received_d(before(1)), 0.0);
-  release();
+  swapBank();
 #endif
   value[kLast] = solved;
   for (int p = kLast - 1; p >= 0; --p) value[p] -= to_before[p] * solved_before + to_after[p] * value[p + 1];
   return solved_before;
 }
 
-// Solves in place of `value`, the right-hand sides. `lower[p]` couples row p to the row before it, 0 in the strand's first.
-// The diagonal of a chain cancels down to a small part of itself, and digits with it; where they are wanted: solveTridiagonal().
-// Returns the solution in the row before row 0, or 0 where there is none.
+// Solves in place of `value`, the right-hand sides. `lower[p]` couples row p to the row before it; 0 in the strand's first
+// row. The pivots of a chain cancel to a small part of the diagonal and lose digits; solveTridiagonal() keeps them.
+// Returns the solution of the row before row 0, or 0 where there is none.
 float solveChain(float diagonal[PER_THREAD], float lower[PER_THREAD], inout float value[PER_THREAD]) {
   const float least = 1e-30;
   float to_before[PER_THREAD], to_after[PER_THREAD];
@@ -39,18 +40,18 @@ float solveChain(float diagonal[PER_THREAD], float lower[PER_THREAD], inout floa
   float solved = value[kLast];
 #if THREADS > 1
   send_a(vec4(own_before, value_before, coupling, 0));
-  rendezvous();
+  exchangeBarrier();
   vec3 folded = select(hasAfter(1), received_a(after(1)).xyz, vec3(0));
-  release();
+  swapBank();
   own += folded.x;
   solved += folded.y;
   float up = folded.z;  // what couples this row to the one after
   for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
     int distance = 1 << doubling;
     send_a(vec4(coupling, up, 1.0 / max(own, least), solved));
-    rendezvous();
+    exchangeBarrier();
     vec4 inner = received_a(before(distance)), outer = received_a(after(distance));
-    release();
+    swapBank();
     float from_inner = coupling * inner.z, from_outer = up * outer.z;
     own -= from_inner * coupling + from_outer * up;
     solved -= from_inner * inner.w + from_outer * outer.w;
@@ -61,17 +62,16 @@ float solveChain(float diagonal[PER_THREAD], float lower[PER_THREAD], inout floa
   return substituted(solved / max(own, least), to_before, to_after, value);
 }
 
-// Of solveTridiagonal(): in place of the diagonal each row keeps its slack, the diagonal less the absolute couplings, to which
-// elimination only adds (as in Grassmann, Taksar and Heyman 1985).
+// solveTridiagonal() stores, in place of the diagonal, the slack of each row: the diagonal less the absolute couplings.
+// Elimination only adds to slacks, so nothing cancels (as in Grassmann, Taksar and Heyman 1985).
 
-// Makes of the diagonal what solveTridiagonal wants.
+// Converts the diagonal to slacks, in place. The coupling of the last row to the row after it is not yet subtracted.
 void diagonalToSlack(inout float diagonal[PER_THREAD], float lower[PER_THREAD]) {
   for (int p = 0; p < PER_THREAD; ++p) diagonal[p] -= abs(lower[p]) + (p < kLast ? abs(lower[min(p + 1, kLast)]) : 0.0);
 }
 
-// As solveChain(). `slacks`: as above, the last still with the coupling to the row after it.
-// Pivots are held above `pivot`, one per row; in the reduction, where the pivots of a chain fall with its length, above a
-// tenth of that.
+// Like solveChain(), with the `slacks` of diagonalToSlack(). Pivots are clamped to at least `pivot`, one per row; in the
+// reduction, where the pivots of a chain fall with its length, to at least a tenth of it.
 float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float pivot[PER_THREAD],
                        inout float value[PER_THREAD]) {
   float to_before[PER_THREAD], to_after[PER_THREAD];
@@ -94,9 +94,9 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
 #else
   const float least = 0.1 * pivot[kLast];
   send_a(vec4(slack_before - abs(lower[0]), value_before, coupling, 0));
-  rendezvous();
+  exchangeBarrier();
   vec3 folded = select(hasAfter(1), received_a(after(1)).xyz, vec3(0));
-  release();
+  swapBank();
   slack += folded.x;
   solved += folded.y;
   float up = folded.z;  // what couples this row to the one after
@@ -105,10 +105,10 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
     float inverse = 1.0 / max(slack + abs(coupling) + abs(up), least);
     send_a(vec4(coupling, up, inverse, solved));
     send_d(slack * inverse);
-    rendezvous();
+    exchangeBarrier();
     vec4 inner = received_a(before(distance)), outer = received_a(after(distance));
     float inner_slack = received_d(before(distance)), outer_slack = received_d(after(distance));
-    release();
+    swapBank();
     float from_inner = coupling * inner.z, from_outer = up * outer.z;
     slack += abs(coupling) * inner_slack + abs(up) * outer_slack;
     solved -= from_inner * inner.w + from_outer * outer.w;

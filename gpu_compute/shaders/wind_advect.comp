@@ -1,6 +1,9 @@
 #version 450
 // variants: CORRECT=0 | CORRECT=1
-// Semi-Lagrangian advection of the faces. CORRECT: MacCormack's correction of it.
+// Semi-Lagrangian advection of face velocities. Reads: faces, displacements of wind_displace.comp. Writes: advected faces.
+// One invocation per face.
+// CORRECT: 0: advects.
+//          1: MacCormack's correction of the advected velocities in `ahead`; also reads onwards.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
@@ -10,7 +13,7 @@ layout(std430, binding = 0) readonly buffer Faces { float faces[]; };  // m/s
 layout(std430, binding = 1) writeonly buffer Next { float next[]; };
 layout(std430, binding = 3) readonly buffer Displacements { vec4 displacements[]; };
 layout(std430, binding = 4) readonly buffer Onwards { vec4 onwards[]; };
-layout(std430, binding = 5) readonly buffer Ahead { float ahead[]; };  // advected once
+layout(std430, binding = 5) readonly buffer Ahead { float ahead[]; };  // faces advected once, m/s
 
 void main() {
   int axis;

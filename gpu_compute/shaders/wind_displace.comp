@@ -1,7 +1,9 @@
 #version 450
 // variants: ONWARD=0 | ONWARD=1
-// How far what comes to a cell has gone over the step, in cells, by the velocity half way (midpoint rule). ONWARD: and, less
-// than 0 along the wind, how far what is there will go.
+// Displacement over the step, in cells, of the air that arrives at each cell centre, by the midpoint rule.
+// Reads: cell-centre velocities. Writes: displacements; with ONWARD also onwards.
+// One invocation per cell.
+// ONWARD: 0; 1: also minus the displacement of the air that leaves the cell centre, for MacCormack's correction.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
@@ -10,6 +12,7 @@ layout(std430, binding = 2) readonly buffer Centres { vec4 centres[]; };
 layout(std430, binding = 3) writeonly buffer Displacements { vec4 displacements[]; };
 layout(std430, binding = 4) writeonly buffer Onwards { vec4 onwards[]; };
 
+// Backward displacement, in cells; with a negative `courant`, minus the forward one.
 vec4 displacement(ivec3 c, float courant) {
   vec3 middle = tracedBack(vec3(c), centres[nodeAt(c)].xyz, 0.5 * courant);
   GridPlace corner = placeAmong(middle);

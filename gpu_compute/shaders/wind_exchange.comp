@@ -1,7 +1,13 @@
 #version 450
 // variants: HAIR=0 | HAIR=1 | HAIR=2
-// Per cell, what air exchanges momentum with over the step: the sum of rates x time, and that times the velocities. HAIR: as
-// it was splatted, and sources; 2: air slips along hair.
+// Momentum exchange of each cell over the step with hair and sources of wind: the sum of rate x time step, and the sum of
+// rate x time step x velocity, m/s.
+// Reads: sources; with HAIR momentum and density of hair; with HAIR 2 the sums of hair_slip.comp.
+// Writes: exchange; with HAIR 2 also slip.
+// One invocation per cell.
+// HAIR: 0: sources only.
+//       1: also hair.
+//       2: and air slips along hair: the reduction of the exchange along the hair's directions.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
@@ -10,10 +16,10 @@
 #if HAIR == 2
 #include "gpu_compute/shaders/hair_samples.glsl"
 layout(std430, binding = 7) readonly buffer SlipSums { ivec4 slip_sums[]; };  // of hair_slip.comp
-layout(std430, binding = 10) writeonly buffer Slip { vec4 slip[]; };          // see wind_diffuse.comp
+layout(std430, binding = 10) writeonly buffer Slip { vec4 slip[]; };          // 2 per cell: CellSlip of wind_slip.comp
 #endif
-layout(std430, binding = 9) readonly buffer Nodes { vec4 nodes[]; };
-layout(std430, binding = 5) writeonly buffer Exchange { vec4 exchange[]; };  // velocities x rates; w: rates
+layout(std430, binding = 9) readonly buffer Nodes { vec4 nodes[]; };         // of hair_density.comp
+layout(std430, binding = 5) writeonly buffer Exchange { vec4 exchange[]; };  // xyz: sum of exchange x velocity; w: exchange
 
 void main() {
   ivec3 c;
@@ -39,7 +45,7 @@ void main() {
       parts[part] = interpolated4(v, corner.part) * (per_sum * inverse(air.mass_scale));
     }
     sum.xyz -= parts[0].xyz * (air.mass_scale * inverse(momentumScale()));
-    // Directions are unit vectors: xx, yy and zz are together what hair holds back across.
+    // Directions are unit vectors, so the trace xx + yy + zz of the slip is less * sum.w; zz follows from it.
     slips[0] = vec4(parts[0].w, parts[1].x, less * sum.w - parts[0].w - parts[1].x, parts[1].y);
     slips[1].xy = parts[1].zw;
 #endif

@@ -1,6 +1,10 @@
 #version 450
 // variants: SPHERES=0 | SPHERES=1
-// Which faces are open; faces of solids move as these do; and what flows out of cells then, less what spheres of wind let out.
+// Boundary conditions before the pressure solve: finds open faces, sets faces of solids to the solids' velocity, and
+// computes the right-hand sides: target divergence less outflow of each cell.
+// Reads: faces, solids; with SPHERES the sources. Writes: faces, masks, right-hand sides, the largest velocity component.
+// One invocation per cell.
+// SPHERES: 0, 1: spheres of wind set target divergences.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
@@ -18,7 +22,7 @@ layout(std430, binding = 15) buffer Solve { uint fastest; } solve;
 const float kLeastOfFace = 1.0 / 6.0;  // air/wind.h
 shared uint largest;
 
-// Velocity of a face, x; y: 1 where it is open.
+// x: velocity of a face, m/s; y: 1 if it is open, else 0.
 vec2 closed(int axis, ivec3 c) {
   ivec3 before = c - along(axis);
   vec4 solid_before = c[axis] > 0 ? solids[nodeAt(before)] : vec4(0);
@@ -31,7 +35,7 @@ vec2 closed(int axis, ivec3 c) {
 }
 
 #if SPHERES
-// As seesBorder of air/wind.h.
+// As seesBorder() of air/wind.h.
 bool seesBorder(ivec3 c) {
   for (int axis = 0; axis < 3; ++axis)
     for (int by = -1; by <= 1; by += 2) {

@@ -1,5 +1,7 @@
 #version 450
-// Takes the pressure's gradient from the faces, and finds the velocities of cells.
+// Projection: subtracts the pressure gradient from open faces, and interpolates velocities to cell centres.
+// Reads: faces, masks, pressures. Writes: faces, cell-centre velocities.
+// One invocation per cell.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
@@ -21,8 +23,8 @@ void main() {
   for (int axis = 0; axis < 3; ++axis) {
     float open_low = float((bits >> uint(2 * axis)) & 1u), open_high = float((bits >> uint(2 * axis + 1)) & 1u);
     ivec3 after = c + along(axis);
-    float low = lessGradient(faces[faceAt(axis, c)], open_low, pressureAt(c - along(axis)), own);
-    float high = lessGradient(faces[faceAt(axis, after)], open_high, own, pressureAt(after));
+    float low = projectVelocity(faces[faceAt(axis, c)], open_low, pressureAt(c - along(axis)), own);
+    float high = projectVelocity(faces[faceAt(axis, after)], open_high, own, pressureAt(after));
     next[faceAt(axis, c)] = low;
     if (c[axis] + 1 == air.cells) next[faceAt(axis, after)] = high;
     middle[axis] = 0.5 * (low + high);

@@ -1,14 +1,15 @@
-// An invocation a cell, or a face of any component, of the wind grid; and what is sampled there. Needs air_settings.glsl.
+// Indexing and sampling of the wind grid, for passes with one invocation per cell or per face. Requires air_settings.glsl.
 #define INVOCATIONS 256
 layout(local_size_x = INVOCATIONS) in;
 
-// False past the last.
+// The cell of this invocation; false past the last cell.
 bool ownCell(out ivec3 c) {
   int n = int(gl_GlobalInvocationID.x);
   c = ivec3(n % air.cells, n / air.cells % air.cells, n / (air.cells * air.cells));
   return c.z < air.cells;
 }
-// False where there is none: past the last, or at places that the component does not have.
+// The face of this invocation: velocity component and indices. False past the last face, or for indices that the component
+// does not have.
 bool ownFace(out int axis, out ivec3 c) {
   int n = int(gl_GlobalInvocationID.x), side = air.cells + 1;
   axis = n / (side * side * side);
@@ -16,19 +17,21 @@ bool ownFace(out int axis, out ivec3 c) {
   return axis < 3 && all(lessThan(c, ivec3(air.cells) + along(axis)));
 }
 ivec3 clampedCell(ivec3 c) { return clamp(c, ivec3(0), ivec3(air.cells - 1)); }
-// Cells on both sides of a face, at the border the one that there is.
+// Indices of the cells before and after a face; at the border both are the one cell there.
 int cellBefore(int axis, ivec3 c) { return nodeAt(clampedCell(c - along(axis))); }
 int cellAfter(ivec3 c) { return nodeAt(clampedCell(c)); }
 
 vec3 middleOfFace(int axis, ivec3 c) {  // m, world
   return air.wind_box.xyz + (vec3(c) + 0.5 * vec3(1 - along(axis))) * air.wind_box.w;
 }
-// Beyond the grid's own box, half a cell out of the places of components that do not lie on its faces.
+// Whether a position, in indices of the component's faces, is outside the grid's box. Across the other axes the box reaches
+// half a cell beyond the component's outermost faces.
 bool isBeyond(int axis, vec3 at) {
   vec3 low = -0.5 * vec3(1 - along(axis)), high = vec3(air.cells) + low;
   return any(lessThan(at, low)) || any(greaterThan(at, high));
 }
 
+// An interpolated component, and the least and the greatest of the values that it was interpolated from, m/s.
 struct Advected {
   float value, low, high;
 };

@@ -1,7 +1,11 @@
 #version 450
 // variants: CENTRES=0 | CENTRES=1
-// The box has moved by whole cells: what is known stays where it is in the world, new places have what blows beyond.
-// CENTRES: only finds the velocities of cells.
+// Moves the box of the wind grid by whole cells. Air keeps its position in the world; new faces get the ambient wind, or 0
+// between walls, and new cells a pressure of 0.
+// Reads: faces, pressures, ambient wind. Writes: faces and pressures; with CENTRES only cell-centre velocities.
+// One invocation per face (or cell, with CENTRES).
+// CENTRES: 0: shifts.
+//          1: only interpolates face velocities to cell centres.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"

@@ -1,18 +1,20 @@
 #version 450
-// Exchange of momentum with hair and sources, implicit, where air slips along hair: see draggedAmong().
+// Implicit momentum exchange with hair and sources for air that slips along hair: see draggedAmong() of kernels/grid.h.
+// Reads: faces, exchange and slip of wind_exchange.comp. Writes: faces.
+// One invocation per face.
 #include "kernels/lanes_glsl.h"
 #include "kernels/grid.h"
 #include "gpu_compute/shaders/air_settings.glsl"
 #include "gpu_compute/shaders/wind_grid.glsl"
 layout(std430, binding = 0) readonly buffer Faces { float faces[]; };
 layout(std430, binding = 1) writeonly buffer Next { float next[]; };
-layout(std430, binding = 5) readonly buffer Exchange { vec4 exchange[]; };  // of cells: velocities x rates; w: rates
+layout(std430, binding = 5) readonly buffer Exchange { vec4 exchange[]; };  // see wind_exchange.comp
 struct CellSlip {
-  vec4 first, last;  // xx, yy, zz, yz; xz, xy
+  vec4 first, last;  // symmetric matrix: xx, yy, zz, yz; xz, xy
 };
 layout(std430, binding = 10) readonly buffer Slip { CellSlip slip[]; };
 
-// Of the cells on both sides of a face.
+// Mean of another velocity component over the cells on both sides of a face, m/s.
 float componentBetween(int component, int axis, ivec3 c) {
   ivec3 before = clampedCell(c - along(axis)), after = clampedCell(c), onward = along(component);
   return 0.25 * (faces[faceAt(component, before)] + faces[faceAt(component, before + onward)] +
@@ -24,7 +26,7 @@ void main() {
   ivec3 c;
   if (!ownFace(axis, c)) return;
   float own = faces[faceAt(axis, c)];
-  // Beyond the border nothing is exchanged.
+  // Cells beyond the border exchange nothing.
   float before = c[axis] > 0 ? 0.5 : 0.0, after = c[axis] < air.cells ? 0.5 : 0.0;
   int cell_before = cellBefore(axis, c), cell_after = cellAfter(c);
   vec4 mean = exchange[cell_before] * before + exchange[cell_after] * after;

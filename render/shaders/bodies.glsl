@@ -1,5 +1,5 @@
-// Distances to bodies at the end of a step: MovingPrimitive and ShapeData of core/contact_primitive.h. Needs growth.bodies and
-// kernels/rotation.h.
+// Distances to bodies at the end of a step: MovingPrimitive and ShapeData of core/contact_primitive.h. Needs
+// growth.bodies and kernels/rotation.h.
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "kernels/surface_bend.h"
@@ -20,10 +20,10 @@ struct Body {
 layout(std430, binding = 6) readonly buffer Bodies { Body body_list[]; };
 layout(std430, binding = 7) readonly buffer BodyWords { uint shape_words[]; };
 
-#define TURNING 2
+#define SHAPE_KINDS 2
 #include "gl/shaders/body_surface.glsl"
 
-// To the nearest body, negative inside; its normal.
+// Signed distance to the nearest body, m, negative inside, and its surface normal.
 float bodyDistance(vec3 x, out vec3 normal) {
   float nearest = 1e9;
   normal = vec3(0, 1, 0);

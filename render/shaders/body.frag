@@ -8,7 +8,7 @@ layout(location = 0) in vec3 world;
 layout(location = 1) in vec3 normal;
 layout(location = 0) out vec4 color;
 
-// Skin: diffuse light wrapped around the edge of the shadow, more so in red, as light spreads below the skin.
+// Skin: diffuse light wrapped past the terminator, more so in red, as light spreads below the skin.
 vec3 wrappedDiffuse(float cosine) {
   vec3 wrap = vec3(0.30, 0.16, 0.12);
   vec3 lit = clamp((vec3(cosine) + wrap) / (1.0 + wrap), 0.0, 1.0);

@@ -16,8 +16,8 @@ layout(location = 1) out vec3 normal;
 void main() {
   vec3 moved = mix(rest_position, (head * vec4(rest_position, 1)).xyz, head_weight);
 #ifdef DEPTH_ONLY
-  // By the rasterizer depth would be linear in the picture; between the corners of a large triangle that is farther from a light with
-  // a place than it is in space.
+  // The depth is interpolated as a varying. The rasterizer's depth is linear in screen space, which for a light with a
+  // position overestimates the distance between the corners of a large triangle.
   vec4 clip = scene.lights[map_light].view_projection * vec4(moved, 1);
   depth = 0.5 * clip.z + 0.5;
   gl_Position = vec4(clip.xy, 0, clip.w);

@@ -19,8 +19,9 @@ uniform uint segments;
 
 vec3 vertexAt(uint v) { return vec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]); }
 
-// The edge that the parameter u lies on. The same number of steps for every guide, up to 65,537 vertices: Mesa's software
-// pipeline has been seen to go on walking with guides that were done while their neighbours were not.
+// The edge that contains the parameter u, by bisection. The step count is the same for every guide, for up to 65,537
+// vertices: Mesa's software pipeline was observed to keep executing finished invocations while their neighbours were
+// active.
 uint edgeAt(Guide guide, float u) {
   uint low = 0u, high = guide.count - 1u;
   for (int step = 0; step < 16; ++step) {

@@ -1,8 +1,8 @@
 #version 450 core
 // variants: none | PER_FRAGMENT=1 | PER_FRAGMENT=1 LIGHTS=4 CASTERS=2
-// A hair narrower than its line reaches only a part of each pixel's samples, the same part all along the hair: stochastic
-// transparency (Enderton et al. 2010) whose noise runs along strands, where it looks like strands. With alpha to coverage the
-// device chooses the samples.
+// A hair narrower than its line covers only a fraction of each pixel's samples, the same along the whole hair. This is
+// stochastic transparency (Enderton et al. 2010) with noise that runs along strands, where it looks like strands. With
+// alpha to coverage the device chooses the samples.
 #include "render/shaders/scene.glsl"
 #include "render/shaders/color.glsl"
 #ifdef PER_FRAGMENT
@@ -25,7 +25,7 @@ void main() {
 #ifdef PER_FRAGMENT
   vec3 radiance = hairRadiance(lit_position.xyz, normalize(lit_tangent), lit_position.w, lit_tint.x, lit_tint.y);
 #endif
-  gl_SampleMask[0] = -1;  // all; without a value it would be any
+  gl_SampleMask[0] = -1;  // all samples; undefined if not written
   if (scene.opacity.z > 0.0) {
     color = vec4(toneMapped(radiance), float(reached) / scene.sampling.x);
     return;

@@ -1,6 +1,6 @@
 #version 450 core
-// 64 isolines a patch, one per hair, of up to 64 segments; the last patch may have fewer hairs, and the last of a hair fewer
-// segments.
+// 64 isolines per patch, one per hair, of up to 64 segments. The last patch may have fewer hairs, and the last patch of
+// a hair fewer segments.
 layout(vertices = 1) out;
 layout(location = 0) in int patch_of_vertex[];
 layout(location = 1) patch out uint first_hair;

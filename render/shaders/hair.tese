@@ -1,6 +1,6 @@
 #version 450 core
 // variants: COLOR=1 | COLOR=1 PER_FRAGMENT=1 | OPACITY=1 | FRONT=1 | CAPTURE=1
-// Grows one vertex of one hair. CAPTURE is for tests.
+// Grows one vertex of one hair. CAPTURE: transform feedback for tests.
 layout(isolines, equal_spacing) in;
 #define BODIES
 #include "render/shaders/scene.glsl"
@@ -29,6 +29,7 @@ void main() {
   captured_position = vec4(point.position, float(hair_list[index]));
   captured_tangent = vec4(tangent, float(node));
 #endif
-  // Every vertex of a hair with a broken guide goes to the same place outside the picture: lines of no length.
+  // All vertices of a hair with an unusable guide go to one point outside the picture, so that its lines are
+  // degenerate.
   if (!point.usable) gl_Position = vec4(2, 2, 2, 1);
 }

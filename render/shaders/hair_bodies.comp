@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation finds how far one hair has to follow one guide instead of three, so as not to go into bodies; see
+// One invocation computes, for one hair, how far it follows one guide instead of three to stay out of bodies; see
 // hair_bodies.h.
 layout(local_size_x = 64) in;
 #define BODIES
@@ -21,7 +21,7 @@ void main() {
     hair_bodies[at + 1u + node] = closingAsked(keptDistance(point.u, root_distance, 0.0) - distance);
   }
   hair_bodies[at] = root_distance;
-  // What vertices ask for, carried to those behind them and, within the zone, before.
+  // Propagates each vertex's closing to all vertices after it and, within the zone, to those before it.
   uint zone = uint(growth.zone * float(growth.segments));
   float most = 0.0;
   for (uint node = 0u; node <= growth.segments; ++node) {

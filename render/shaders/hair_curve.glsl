@@ -1,5 +1,5 @@
-// A hair as render/hair_growth.h and kernels/hair.h define it, evaluated at the nodes of its guides (render/guide_nodes.h).
-// With BODIES it stays out of bodies (render/hair_bodies.h).
+// A hair as render/hair_growth.h and kernels/hair.h define it, evaluated at the nodes of its guides
+// (render/guide_nodes.h). With BODIES it is kept out of bodies (render/hair_bodies.h).
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
 #include "kernels/hair.h"
@@ -26,7 +26,7 @@ struct Hair {
 };
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };
-layout(std430, binding = 11) readonly buffer HairList { uint hair_list[]; };  // the hairs of this picture
+layout(std430, binding = 11) readonly buffer HairList { uint hair_list[]; };  // indices of this picture's hairs
 const int kExampleParts = 256;  // CurlExample::kParts
 // GrowthBlock in render/hair_growth.h, field for field.
 layout(std140, binding = 1) uniform Growth {
@@ -40,9 +40,9 @@ layout(std140, binding = 1) uniform Growth {
 
 struct HairPoint {
   vec3 position;
-  vec3 derivative;  // along u, up to a part along the tangent
-  float u;          // part of the guide's length
-  float along;      // part of the hair's
+  vec3 derivative;  // with respect to u, up to a component along the tangent
+  float u;  // fraction of the guide's length
+  float along;  // fraction of the hair's length
   bool usable;
 };
 
@@ -58,11 +58,11 @@ AcrossGuide acrossGuide(Hair hair, float u, Closing closing) {
                                           1.0 / float(kExampleParts), place - float(part), hair.curl_phase, hair.example_scale));
 }
 
-// `bodies`: how far bodies make it follow one guide alone, 0 to 1, and how that changes by u.
+// `bodies`: closing on one guide because of bodies, 0 to 1, and its derivative with respect to u.
 HairPoint freeHair(Hair hair, uint wanted_node, vec2 bodies) {
   HairPoint point;
   float last = hair.extent * float(growth.segments);
-  // Nodes past the tip fall on the first one past it: lines of no length, not drawn.
+  // Nodes past the tip collapse onto the first one past it: degenerate lines, not drawn.
   uint node = min(wanted_node, min(uint(ceil(last)), growth.segments));
   float u = float(node) / float(growth.segments);
   uint stride = 3u * (growth.segments + 1u);
@@ -85,8 +85,8 @@ HairPoint freeHair(Hair hair, uint wanted_node, vec2 bodies) {
 
 #ifdef BODIES
 #include "render/shaders/bodies.glsl"
-// Per hair: how far its root is from the surface of bodies, m, and for every node how far it follows one guide because of
-// them.
+// Per hair: distance of its root from the surface of bodies, m, then for every node its closing on one guide because of
+// bodies.
 layout(std430, binding = 8) HAIR_BODIES_ACCESS buffer HairBodies { float hair_bodies[]; };
 
 HairPoint grownHair(uint index, Hair hair, uint node) {

@@ -6,7 +6,7 @@ layout(local_size_x = 256) in;
 #include "render/shaders/hair_curve.glsl"
 layout(std430, binding = 5) writeonly buffer HairVertices { vec4 hair_vertices[]; };
 uniform uint first_hair;
-uniform uint hair_count;  // from the first on
+uniform uint hair_count;  // from the first hair of the list
 uniform uint nodes_per_hair;
 uniform uint node_stride;
 

@@ -1,5 +1,5 @@
 #version 450 core
-// Adds a hair's optical depth to the layer that it lies in and to all behind; see deep_opacity.h.
+// Adds a hair's optical depth to the layer that contains it and to all layers behind; see deep_opacity.h.
 #include "render/shaders/scene.glsl"
 #include "render/shaders/shadow.glsl"
 layout(location = 2) in float coverage;

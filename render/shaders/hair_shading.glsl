@@ -1,8 +1,9 @@
-// Kajiya and Kay 1989 with two specular lobes shifted along the tangent. Needs scene.glsl, color.glsl, light.glsl, shadow.glsl.
+// Kajiya and Kay 1989 with two specular lobes shifted along the tangent. Needs scene.glsl, color.glsl, light.glsl,
+// shadow.glsl.
 
-// Angles are measured from the plane across the hair, positive towards the tip. A cylinder mirrors light at inclination
-// a to -a; scales tilted towards the root move the first lobe to 2 * kShift - a and the second, which has passed through
-// the hair and back, the other way.
+// Inclinations are measured from the plane perpendicular to the hair, positive towards the tip. A cylinder reflects
+// light at inclination a to -a. Scales tilted towards the root shift the first lobe to 2 * kShift - a. They shift the
+// second lobe, which has passed through the hair and back, the other way.
 const float kShift = -0.06, kShiftInner = 0.10;
 const float kExponent = 60.0, kExponentInner = 14.0;
 
@@ -10,19 +11,20 @@ float lobe(float inclination_light, float inclination_eye, float shift, float ex
   return pow(max(cos(inclination_light + inclination_eye - 2.0 * shift), 0.0), exponent);
 }
 
-// Light hair would scatter more than it gets: the integral of scattered() over all ways out, of light from straight across,
-// which is the most, kept below 1 by a factor that is 1 for dark hair. `brightest`: of the base's colours.
+// Energy conservation for light hair: the integral of scattered() over all outgoing directions must be below 1. Its
+// maximum is for light perpendicular to the hair. The factor is 1 for dark hair. `brightest`: largest component of the
+// base colour.
 float energyFactor(float brightest) {
   float whole = brightest * (1.26 + 0.98 * sqrt(brightest)) + 0.07;
   return pow(1.0 + pow(whole, 8.0), -0.125);
 }
 
-// Of one light, where nothing is between; `base` is the colour of light scattered in the hair.
+// Light scattered towards the eye from one light, unshadowed; `base` is the hair's scattering colour.
 vec3 scattered(vec3 base, vec3 tangent, vec3 l, vec3 e) {
   float tl = clamp(dot(tangent, l), -1.0, 1.0), te = clamp(dot(tangent, e), -1.0, 1.0);
   float sine = sqrt(max(1.0 - tl * tl, 0.0));
   float il = asin(tl), ie = asin(te);
-  // Cosine of half the angle around the hair between light and eye: 1 where the light comes from behind the eye.
+  // Cosine of half the azimuth around the hair between light and eye: 1 for light from behind the eye.
   vec3 la = l - tl * tangent, ea = e - te * tangent;
   float around = dot(la, ea) * inversesqrt(max(dot(la, la) * dot(ea, ea), 1e-8));
   float front = sqrt(max(0.5 + 0.5 * around, 0.0));
@@ -38,7 +40,7 @@ vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float w
   vec3 base = scene.hair_color.rgb * (1.0 + 0.35 * shade) * mix(0.75, 1.25, along);
   base *= vec3(1.0 + 0.10 * warmth, 1.0, 1.0 - 0.10 * warmth);
   base /= max(max(base.r, max(base.g, base.b)), 1.0);
-  // Dense hair passes its own colour on: the least absorbed colour gets deepest.
+  // Dense hair transmits its own colour: the least absorbed component penetrates deepest.
   vec3 tint = scene.hair_color.rgb / max(max(scene.hair_color.r, scene.hair_color.g), max(scene.hair_color.b, 1e-3));
   vec3 direct = vec3(0);
   vec2 clear = vec2(0);
@@ -48,7 +50,8 @@ vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float w
       vec3 at = lightCoordinates(light, position);
       float depth = hairOpticalDepth(light, at, 0.0015 * scene.sampling.z);
       through = exp(-depth * mix(vec3(0.75), vec3(0.45), tint)) * solidVisibility(light, at, 0.006 * scene.sampling.z, 0);
-      // Behind a solid too: hair there is among other hair, for which what is before the solid stands.
+      // Also where a solid blocks the light: a hair there is surrounded by hair, for which the hair in front of the
+      // solid is representative.
       clear += clearAlong(light, exp(-0.10 * depth), 1.0);
     }
     direct += lightAt(light, position) * through * scattered(base, tangent, towardsLight(light, position), e);

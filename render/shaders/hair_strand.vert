@@ -1,6 +1,6 @@
 #version 450 core
 // variants: COLOR=1 | COLOR=1 STRIP=1 | COLOR=1 PER_FRAGMENT=1 | COLOR=1 STRIP=1 PER_FRAGMENT=1 | OPACITY=1 | FRONT=1
-// A vertex of a hair that was grown before: an instance a hair, a vertex a node, or with STRIP two.
+// A vertex of grown hair: an instance per hair, a vertex per node, or two with STRIP.
 #include "render/shaders/scene.glsl"
 #include "render/shaders/hair_curve.glsl"
 #include "render/shaders/hair_vertex.glsl"

@@ -1,11 +1,11 @@
-// What a vertex of a hair becomes in a pass, however it was grown: COLOR shades it, OPACITY and FRONT look from a light.
-// Needs scene.glsl and hair_curve.glsl. STRIP: one of two on either side of the hair.
+// The outputs of a hair's vertex in a pass, for both growth paths. COLOR shades it, OPACITY and FRONT view it from a
+// light. STRIP: `side` selects one of two vertices on either side of the hair. Needs scene.glsl and hair_curve.glsl.
 #include "render/shaders/light.glsl"
 #ifdef COLOR
 #include "render/shaders/color.glsl"
 #include "render/shaders/shadow.glsl"
 #ifdef PER_FRAGMENT
-layout(location = 4) out vec4 lit_position;  // w: part of the hair's length behind it
+layout(location = 4) out vec4 lit_position;  // w: fraction of the hair's length up to it
 layout(location = 5) out vec3 lit_tangent;
 layout(location = 6) flat out vec2 lit_tint;  // shade and warmth
 #else
@@ -14,31 +14,32 @@ layout(location = 4) out vec3 radiance;
 #endif
 #endif
 layout(location = 2) out float coverage;
-layout(location = 3) flat out vec2 dither;  // what is left of it, and Hair::first_sample
+layout(location = 3) flat out vec2 dither;  // remaining dither of detailWidth(), and Hair::first_sample
 uniform float threshold;
 
-// Fewer, wider hairs; see hair_detail.h. The factor of a hair's width, and what is left of its dither.
+// Level of detail, see hair_detail.h. Returns the factor of the hair's width; `left` is the remaining dither.
 float detailWidth(Hair hair, out float left) {
   float chance = clamp(threshold * hair.width * hair.importance, 1e-20, 1.0);
   left = clamp((hair.dither - 1.0 + chance) / chance, 0.0, 0.99999994);
   float factor = 1.0 / chance;
 #ifdef OPACITY
-  // The last ones thin out, as the light's maps know no samples.
+  // Hairs near dropping out become narrower, because the light's maps have no samples. 8/7 keeps the mean width.
   factor *= mix(1.0, min(4.0 * left, 1.0) * (8.0 / 7.0), 1.0 - chance);
 #endif
   return factor;
 }
 
 #ifndef COLOR
-uniform int map_light;            // whose maps these are
-uniform float line_texels = 1.0;  // across lines in the opacity map
+uniform int map_light;  // index of the light
+uniform float line_texels = 1.0;  // line width in the opacity map, texels
 
-// What a hair of width 1 covers of each texel that its line has in the light's maps: as much of the light's rays as it is
-// across, shared out among the texels. A line has as many as it is across in every column, or row, that it crosses.
+// Coverage per texel of a line for a hair of width 1 in the light's maps: the hair's cross section perpendicular to the
+// light's rays, divided among the line's texels. A line has line_texels texels in every column (or row) that it
+// crosses.
 float lengthInTexel(vec3 position, vec3 tangent, vec4 clip) {
   mat4 m = scene.lights[map_light].view_projection;
   vec3 off = position - scene.lights[map_light].place.xyz;
-  // Of length 1 along the map's axis.
+  // Normalised to length 1 along the map's axis.
   vec3 ray = lightHasPlace(map_light) ? off / max(clip.w, 1e-3) : scene.lights[map_light].way.xyz;
   vec4 along = m * vec4(tangent, 0);
   vec2 way = abs(along.xy * clip.w - clip.xy * along.w);
@@ -52,12 +53,12 @@ void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
   dither.y = hair.first_sample;
 #ifdef COLOR
   gl_Position = scene.view_projection * vec4(position, 1);
-  float pixels = scene.eye.w / max(gl_Position.w, 1e-3);  // per metre there
-  // Guides lie on the skin or a little in it: for the depth test, hair is up to 2.5 mm nearer to the eye.
+  float pixels = scene.eye.w / max(gl_Position.w, 1e-3);  // per metre at this depth
+  // Guides lie on the skin or slightly inside: the depth test moves hair up to 2.5 mm towards the eye.
   vec3 to_eye = normalize(scene.eye.xyz - position);
   vec4 nearer_clip = scene.view_projection * vec4(position + 0.0025 * scene.sampling.z * to_eye, 1);
 #ifdef STRIP
-  // Towards the eye, at least a pixel wide; a thinner hair covers its part of that.
+  // A strip that faces the eye, at least one pixel wide; a narrower hair covers a fraction of it.
   float drawn = max(width, 1.0 / pixels);
   gl_Position = scene.view_projection * vec4(position + side * 0.5 * drawn * normalizeOrZero(cross(tangent, to_eye)), 1);
   coverage = width / drawn;

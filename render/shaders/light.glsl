@@ -1,7 +1,7 @@
 // The lights of a picture at a point; Light in render/light.h. Needs scene.glsl.
-const vec3 kSun = vec3(2.3, 2.17, 2.0);  // irradiance of intensity 1 and white, across its way
+const vec3 kSun = vec3(2.3, 2.17, 2.0);  // irradiance of a white light of intensity 1, perpendicular to its direction
 
-// How many there are, and how many of them, the first ones, cast shadows: LightCounts.
+// LightCounts: numbers of lights, and of those that cast shadows, which come first.
 #ifndef LIGHTS
 #define LIGHTS 0
 #define CASTERS 0
@@ -13,7 +13,7 @@ vec3 towardsLight(int light, vec3 world) {
   return lightHasPlace(light) ? normalize(scene.lights[light].place.xyz - world + vec3(0, 1e-12, 0)) : scene.lights[light].way.xyz;
 }
 
-// What arrives across its way where nothing is between: by the inverse-square law, and within the cone.
+// Irradiance perpendicular to the light's direction, unshadowed: inverse-square law and spot cone.
 vec3 lightAt(int light, vec3 world) {
   vec3 irradiance = kSun * scene.lights[light].power.rgb;
   if (!lightHasPlace(light)) return irradiance;
@@ -24,15 +24,18 @@ vec3 lightAt(int light, vec3 world) {
   return irradiance * (t * t * (3.0 - 2.0 * t) / d2);
 }
 
-// The eye of its shadow maps: their depth is linear in the distance along its axis, for a light with a place too.
+// Clip coordinates in the light's shadow maps. Depth is linear in the distance along the light's axis, also for a light
+// with a position.
 vec4 lightClip(int light, vec3 world) {
   vec4 clip = scene.lights[light].view_projection * vec4(world, 1);
   clip.z *= clip.w;
   return clip;
 }
 
-// Of light from all around: the mean of what each light that casts shadows finds of it, by their power. clearAlong() is to be
-// added up; 1 without any. What hair there is before a solid says nothing of what is behind it: `past_solids` 0.
+// Ambient visibility: the mean of `through_hair`, the transmittance towards each shadow-casting light, weighted by the
+// lights' power. Sum clearAlong() over the lights and pass the sum to clearAround(), which is 1 without such lights.
+// `past_solids` 0 where a solid blocks the light, because hair in front of the solid says nothing about the point
+// behind it.
 vec2 clearAlong(int light, float through_hair, float past_solids) {
   return dot(scene.lights[light].power.rgb, vec3(1)) * vec2(mix(1.0, through_hair, past_solids), 1);
 }

@@ -1,13 +1,13 @@
 #version 450 core
 // variants: GUIDES=1 | TANGENTS=1 | COLLIDED=1 | INSIDE=1
-// What there is to look at besides the picture; see marks.h.
+// Diagnostic marks over the picture; see marks.h.
 #define BODIES
 #define HAIR_BODIES_ACCESS readonly
 #include "render/shaders/scene.glsl"
 #include "render/shaders/hair_curve.glsl"
 layout(location = 0) out vec3 mark_color;
 uniform uint nodes_per_hair;
-uniform float size;  // m, of tangents; pixels, of points; COLLIDED also takes `reach`, m
+uniform float size;  // of tangents m, of points pixels; COLLIDED also uses `reach`, m
 uniform float reach;
 #ifdef COLLIDED
 layout(std430, binding = 0) readonly buffer GuidePositions { float positions[]; };
@@ -17,7 +17,7 @@ layout(std430, binding = 5) readonly buffer HairVertices { vec4 hair_vertices[];
 uniform uint first_hair;  // of the buffer
 #endif
 
-// 3 mm nearer to the eye, so that it shows on what it lies on.
+// Moves marks 3 mm towards the eye, so that they show on the surface they lie on.
 void place(vec3 at, bool shown) {
   vec3 to_eye = normalize(scene.eye.xyz - at);
   gl_Position = shown ? scene.view_projection * vec4(at + 0.003 * scene.sampling.z * to_eye, 1) : vec4(2, 2, 2, 1);
@@ -35,7 +35,7 @@ void main() {
   place(nodes[at].xyz, nodes[at].w > 0.5);
 #endif
 #ifdef TANGENTS
-  // Two vertices for every fourth node; red, green and blue as the tangent lies along x, y and z.
+  // Two vertices for every fourth node; red, green and blue are the tangent's x, y and z components.
   uint guide = uint(gl_InstanceID), node = min(uint(gl_VertexID) / 2u * 4u, growth.segments);
   uint at = 3u * (guide * (growth.segments + 1u) + node);
   vec3 tangent = normalizeOrZero(nodes[at + 1u].xyz);
@@ -51,12 +51,12 @@ void main() {
   gl_PointSize = size;
 #endif
 #ifdef INSIDE
-  // As deep as its root, near it, is not inside.
+  // Near its root, a vertex as deep as the root does not count as inside.
   uint root = 2u * uint(gl_InstanceID) * nodes_per_hair, at = root + 2u * uint(gl_VertexID);
   vec4 position = hair_vertices[at];
   vec3 normal;
   float distance = bodyDistance(position.xyz, normal), root_distance = bodyDistance(hair_vertices[root].xyz, normal);
-  float u = position.w * hairs[hair_list[first_hair + uint(gl_InstanceID)]].extent;  // growth goes by the guide's length
+  float u = position.w * hairs[hair_list[first_hair + uint(gl_InstanceID)]].extent;  // of the guide
   mark_color = vec3(1, 0.05, 0.3);
   place(position.xyz, hair_vertices[at + 1u].w > 0.5 && distance < keptDistance(u, root_distance, 0.0) - reach);
   gl_PointSize = size;

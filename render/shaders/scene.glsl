@@ -1,4 +1,4 @@
-// What every shader knows of a picture; LightBlock and SceneBlock in render/scene_block.h, field for field.
+// Parameters of a picture in every shader; LightBlock and SceneBlock in render/scene_block.h, field for field.
 struct LightBlock {
   mat4 view_projection;
   vec4 way;

@@ -1,17 +1,17 @@
-// How much of a light reaches a point: solids by a depth map, hair by opacity layers behind its front (deep opacity maps,
-// Yuksel and Keyser 2008). Needs scene.glsl.
-// A light behind the other:
+// Transmittance from a light to a point: solids by a depth map, hair by opacity layers behind its front (deep opacity
+// maps, Yuksel and Keyser 2008). Needs scene.glsl.
+// Arrays have one layer (hair_opacity: one run of slices) per light:
 layout(binding = 0) uniform sampler2DArrayShadow solid_depth;
-layout(binding = 1) uniform sampler2DArray hair_front;    // depth of the hair nearest to the light, coarse so that it is smooth
+layout(binding = 1) uniform sampler2DArray hair_front;  // depth of the hair nearest to the light, coarse for smoothness
 layout(binding = 2) uniform sampler2DArray hair_opacity;  // optical depth from the front to the end of each layer
 
-// 0 to 1 in the maps; beside them, where it is light, for what is behind the light.
+// Coordinates 0 to 1 in the maps; (-1, -1, -1), outside the maps and so lit, for points behind the light.
 vec3 lightCoordinates(int light, vec3 world) {
   vec4 clip = scene.lights[light].view_projection * vec4(world, 1);
   return clip.w > 0.0 ? vec3(0.5 * clip.xy / clip.w, 0.5 * clip.z) + 0.5 : vec3(-1);
 }
 
-// 1 in the maps, falling to 0 towards their edge where they do not take in everything that the light does.
+// 1 inside the maps, falling to 0 towards their edge where the maps do not cover all that the light reaches.
 float withinMaps(int light, vec3 light_coordinates) {
   float fade = scene.lights[light].cone.w;
   if (fade <= 0.0) return 1.0;
@@ -19,8 +19,8 @@ float withinMaps(int light, vec3 light_coordinates) {
   return 1.0 - smoothstep(1.0 - fade, 1.0, max(off.x, off.y));
 }
 
-// Metres behind the front of the hair, `without` where there is no front. Bilinear over the texels that hair reaches, so
-// that the front goes on smoothly past its outline.
+// Metres behind the front of the hair, `without` where there is no front. Bilinear over the texels that contain hair,
+// so that the front extends smoothly past its outline.
 float behindFront(int light, vec3 light_coordinates, float without) {
   vec4 front = textureGather(hair_front, vec3(light_coordinates.xy, light));
   vec2 f = fract(light_coordinates.xy * vec2(textureSize(hair_front, 0).xy) - 0.5);
@@ -30,7 +30,7 @@ float behindFront(int light, vec3 light_coordinates, float without) {
   return sum > 0.0 ? (light_coordinates.z - dot(weights, front) / sum) * scene.lights[light].way.w : without;
 }
 
-// Optical depth to `depth` metres behind the front: linear between the ends of layers.
+// Optical depth up to `depth` metres behind the front: linear between the ends of layers.
 float depthInLayers(int light, vec2 texel, float depth) {
   float sum = 0.0, start = 0.0, before = 0.0;
   int slices = int(scene.opacity.x);
@@ -44,7 +44,7 @@ float depthInLayers(int light, vec2 texel, float depth) {
   return sum;
 }
 
-// Optical depth of the hair between the light and the point; `margin` metres before the point do not count.
+// Optical depth of the hair between the light and the point, without the last `margin` metres before the point.
 float hairOpticalDepth(int light, vec3 light_coordinates, float margin) {
   float depth = behindFront(light, light_coordinates, 1e3) - margin;
   int radius = int(scene.opacity.y);
@@ -58,7 +58,7 @@ float hairOpticalDepth(int light, vec3 light_coordinates, float margin) {
 // 1 in the light, 0 in the shadow of the body. Filtered over (2 radius + 1)^2 bilinear taps.
 float solidVisibility(int light, vec3 light_coordinates, float bias_meters, int radius) {
   vec2 texel = 1.5 / vec2(textureSize(solid_depth, 0).xy);
-  // Beyond the far end of the map everything is still behind what the map shows.
+  // Points beyond the map's far plane are still behind everything in the map.
   float reference = min(light_coordinates.z - bias_meters / scene.lights[light].way.w, 1.0);
   float sum = 0.0;
   for (int y = -radius; y <= radius; ++y)

@@ -1,5 +1,5 @@
 #version 450 core
-// Weighs the samples about a pixel; supersampling.h. The texture's values arrive linear, and are stored as sRGB.
+// Filters the samples around a pixel; supersampling.h. Texture reads are linear, and the result is stored as sRGB.
 layout(binding = 0) uniform sampler2D large;
 layout(location = 0) out vec4 color;
 uniform int factor, before, count;

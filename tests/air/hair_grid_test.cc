@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-// A tuft of hair: strands of several counts of vertices, some of edges longer than cells.
+// A tuft of hair with strands of several vertex counts, some with edges longer than cells.
 StrandModel tuft() {
   std::vector<StrandPoints> strands;
   for (int s = 0; s < 160; ++s) {
@@ -156,7 +156,7 @@ TEST(HairGrid, HairAtRestFeelsNothingWhereverTheHeadIs) {
   }
 }
 
-// Only nodes that hair is on, or was on, are looked at.
+// Blurs and sums visit only nodes with hair, now or in the last step.
 TEST(HairGrid, WhereHairWasBeforeLeavesNoTrace) {
   const Hair hair;
   const Workers workers(1);
@@ -181,7 +181,7 @@ TEST(HairGrid, WhereHairWasBeforeLeavesNoTrace) {
   HairGrid<float> used(simdPasses(), workers, hair.model, 32, box);
   changes(used, both, 0.5f, -0.03f);
   changes(used, rubbing, 0.7f, 0.02f);
-  changes(used, pushing, 0.6f, 10);  // beyond the grid
+  changes(used, pushing, 0.6f, 10);  // outside the grid
   for (const Parameters& parameters : {both, pushing, rubbing, both}) {
     HairGrid<float> fresh(simdPasses(), workers, hair.model, 32, box);
     const std::vector<float> expected = changes(fresh, parameters, 0.4f, 0.01f);
@@ -274,20 +274,20 @@ TEST(HairGrid, StrandsThatWentWrongAreLeftOut) {
   EXPECT_GT(grid.densityAt(16, 16, 16), 0);
 }
 
-TEST(HeadCourse, GoesOnAsItWentAndForgetsWhatItWasNotToldOf) {
+TEST(HeadExtrapolation, GoesOnAsItWentAndForgetsWhatItWasNotToldOf) {
   auto at = [](float x, float angle) {
     return Pose{Vec3(x, 0, 0), Quat(Eigen::AngleAxisf(angle, Eigen::Vector3f::UnitY()))};
   };
-  HeadCourse course;
-  EXPECT_EQ(course.ahead(at(0, 0), at(1, 0.2f)).position.x(), 0) << "it may have stood still";
-  const Pose ahead = course.ahead(at(1, 0.2f), at(3, 0.2f));
+  HeadExtrapolation head;
+  EXPECT_EQ(head.ahead(at(0, 0), at(1, 0.2f)).position.x(), 0) << "it may have stood still";
+  const Pose ahead = head.ahead(at(1, 0.2f), at(3, 0.2f));
   EXPECT_FLOAT_EQ(ahead.position.x(), 1.5f);
   EXPECT_NEAR(ahead.rotation.angularDistance(at(0, 0.3f).rotation), 0, 1e-6);
-  EXPECT_EQ(course.ahead(at(7, 0.2f), at(8, 0.2f)).position.x(), 7) << "steps were left out";
-  course.moveOrigin();
-  EXPECT_EQ(course.ahead(at(0, 0.2f), at(1, 0.2f)).position.x(), 0.5f);
-  course.forget();
-  EXPECT_EQ(course.ahead(at(8, 0.2f), at(8, 0.2f)).position.x(), 8);
+  EXPECT_EQ(head.ahead(at(7, 0.2f), at(8, 0.2f)).position.x(), 7) << "steps were left out";
+  head.moveOrigin();
+  EXPECT_EQ(head.ahead(at(0, 0.2f), at(1, 0.2f)).position.x(), 0.5f);
+  head.forget();
+  EXPECT_EQ(head.ahead(at(8, 0.2f), at(8, 0.2f)).position.x(), 8);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Hair holds air back less along itself: what it does to the air is what the air does to it.
+// Anisotropic drag: the momentum that the air loses equals the momentum that hair gains.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -20,7 +20,8 @@ using Vector = Eigen::Vector3d;
 
 constexpr double kSlipStep = 1.0 / 60;
 
-// Of air at `velocity` in hair that goes at `hair` all along `direction`; exchange: rate x time step.
+// Velocity after the exchange of air at `velocity` with hair that moves at `hair`, all strands along
+// `direction`. exchange: rate x time step.
 Vector dragged(const Vector& velocity, const Vector& hair, const Vector& direction, double exchange,
                double less) {
   const Matrix held = exchange * (Matrix::Identity() - less * direction * direction.transpose());
@@ -48,7 +49,7 @@ TEST(Slip, IsAsTheMatrixSays) {
       }
 }
 
-// Even air in a block of parallel hair that moves.
+// Uniform air in a block of moving parallel hair.
 template <class Scalar>
 void expectExactInABlock(const GridPasses<Scalar>& passes, double tolerance) {
   const Workers workers(2);
@@ -100,7 +101,7 @@ void expectExactInABlock(const GridPasses<Scalar>& passes, double tolerance) {
     EXPECT_NEAR(grid.component(axis, 16, 15, 17), within[axis], tolerance) << axis;
     EXPECT_NEAR(grid.component(axis, 2, 15, 17), wind[axis], tolerance) << axis;
   }
-  // What lay along the hair leaves no trace in the next step.
+  // The slip terms of this step do not affect the next one.
   grid.setVelocity([&](const Vec3&) { return wind.cast<float>(); });
   drag.slip[0] = drag.slip[1] = nullptr;
   grid.exchange(kSlipStep, drag);
@@ -115,7 +116,7 @@ TEST(Slip, EvenAirInABlockOfHairIsExact) {
   expectExactInABlock(simdPasses(), 2e-6);
 }
 
-// Strands that stand out of a ball in all directions and move as they like.
+// Strands that stand out of a ball in all directions, with random velocities.
 struct Urchin {
   StrandModel model;
   StrandState state;
@@ -173,7 +174,7 @@ TEST(Slip, HairHasTheDirectionsAndMotionsOfItsPieces) {
     off = std::max(off, std::fabs(lanes[n] - exact[n]));
   }
   EXPECT_LT(off, 1e-5 * largest);
-  // All together: sums over strands that are straight, so that every piece has its strand's direction.
+  // Sums over all strands. They are straight, so every piece has the direction of its strand.
   Matrix tensor = Matrix::Zero();
   Vector along = Vector::Zero();
   for (size_t s = 0; s < model.strands(); ++s) {
@@ -199,8 +200,7 @@ TEST(Slip, HairHasTheDirectionsAndMotionsOfItsPieces) {
   for (int c = 0; c < 5; ++c) EXPECT_NEAR(got[c] * volume, truth[c], 1e-4 * mass) << c;
 }
 
-// A mat of strands along X, in wind along them or across: what it takes of the wind in its middle in a step,
-// m/s.
+// A mat of strands along X in wind along or across them: the loss of wind in its middle in a step, m/s.
 double heldBack(const Vec3& wind, float along) {
   std::vector<StrandPoints> strands;
   for (int s = 0; s < 400; ++s) {
@@ -218,9 +218,9 @@ double heldBack(const Vec3& wind, float along) {
     parameters.air_drag_along = along;
     parameters.hairs_per_strand = hairs;
     Simulation simulation(modelOf(strands), {}, parameters, makeReferenceBackend(),
-                          cpuAir("reference").surroundings({}));
+                          cpuAir("reference").make({}));
     simulation.step();
-    return airFields(simulation.surroundings())->at(Vec3(0.1f, 0.1f, 0.1f)).wind;
+    return airFields(simulation.externalForces())->at(Vec3(0.1f, 0.1f, 0.1f)).wind;
   };
   return static_cast<double>((after(0) - after(20)).dot(wind.normalized()));
 }

@@ -21,13 +21,13 @@ WindSource sphere(const Vec3& position, float radius, float speed) {
   return source;
 }
 
-// m^3/s, out of a sphere.
+// Outflow of a sphere, m^3/s.
 double flowOf(const WindSource& source) {
   const double radius = static_cast<double>(source.radius);
   return 4 * std::numbers::pi * radius * radius * static_cast<double>(source.speed);
 }
 
-// Directions, spread evenly.
+// Evenly distributed directions.
 std::vector<Vec3> directions() {
   std::vector<Vec3> out;
   constexpr int kCount = 200;
@@ -49,8 +49,8 @@ PressureReport blow(Grid& grid, const std::vector<WindSource>& sources, int step
   return report;
 }
 
-// A wall of cells around the middle, 0.6 m wide inside, in all of a box of 1.6 m. `open`: but for the side at
-// high x.
+// Closed walls of solid cells around the middle, 0.6 m wide inside, in a box of 1.6 m. `open`: without the
+// wall at high x.
 void enclose(Grid& grid, bool open) {
   grid.clearSolids();
   grid.addSolid(
@@ -79,7 +79,7 @@ TEST(SphereSource, LetsOutItsAirWhateverTheCellAndWhereverItIsInIt) {
         }
 }
 
-// Twice its radius away.
+// Compared at twice the radius.
 TEST(SphereSource, BlowsAsExactFlowInAllDirections) {
   const Workers workers(1);
   double errors[2] = {};
@@ -142,7 +142,7 @@ TEST(SphereSource, HalfBeyondTheBorderBlowsHalf) {
   EXPECT_NEAR(grid.flowOut(), 0, 1e-4) << "far away";
 }
 
-// Wind goes through, but what comes out of the sphere has no share in it.
+// Wind passes through the sphere; the emitted air has no momentum of its own.
 TEST(SphereSource, SlowsTheWindThatGoesThroughIt) {
   const Workers workers(1);
   Grid grid(simdPasses(), workers, 32, 0.025f, Grid::Border::kOpen);

@@ -53,7 +53,7 @@ TEST(WindGrid, UniformWindStaysAsItIs) {
     EXPECT_LT((grid.velocityAt(at) - wind).norm(), 1e-4f);
 }
 
-// Two-dimensional, in a box of pi: it decays as exp(-2 viscosity t).
+// The two-dimensional vortex in a box of edge pi decays as exp(-2 viscosity t).
 TEST(WindGrid, ATaylorGreenVortexConverges) {
   const Workers workers(1);
   for (const bool mac_cormack : {false, true}) {
@@ -97,7 +97,7 @@ TEST(WindGrid, ProjectionLeavesNoDivergenceAtAnySize) {
   }
 }
 
-// Lanes and scalars differ by the rounding of sums only; threads by nothing.
+// Vectors and scalars differ by the rounding of sums only; results do not depend on the number of threads.
 TEST(WindGrid, ThreadsAndLanesGiveTheSameWind) {
   auto run = [](const GridPasses<float>& passes, int threads) {
     const Workers workers(threads);

@@ -1,4 +1,5 @@
-// The programs as a user runs them, over a network: daemons that cast and are commanded, and who receives it.
+// The programs as a user runs them over a network: daemons that cast and execute commands, and their
+// receivers.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -21,7 +22,7 @@ class CastingPrograms : public ProgramFixture {
   const std::string domain_ = std::to_string(testDomain(0));
 };
 
-/// Processes that `parent` started and that have not ended.
+/// Children of `parent` that have not ended.
 std::vector<pid_t> childrenOf(pid_t parent) {
   std::vector<pid_t> children;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -36,7 +37,7 @@ std::vector<pid_t> childrenOf(pid_t parent) {
 TEST_F(CastingPrograms, ValidateWireMeasuresBetweenTwoProcesses) {
   if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
   const Outcome r = run(program_ + " validate wire --only 'dds delta16 1000x32 120 Hz' --json");
-  ASSERT_LE(r.exit_code, 1) << r.err;  // latency has a limit that a busy machine may miss
+  ASSERT_LE(r.exit_code, 1) << r.err;  // the latency limit may fail on a busy machine
   const nlohmann::json results = nlohmann::json::parse(r.out)["results"];
   ASSERT_EQ(results.size(), 7u) << r.out;
   EXPECT_GT(results[0]["value"], 1);
@@ -57,10 +58,10 @@ TEST_F(CastingPrograms, ValidateWireOutlivesItsReader) {
     const char* end;
     std::string out;
     pid_t validate = 0;
-    std::set<pid_t> readers = {};  // the first is that of next to nothing
+    std::set<pid_t> readers = {};  // the first reader is that of the unloaded latency
     std::chrono::steady_clock::time_point second = {};
   };
-  // Both at once: they mostly wait, the second for a reader that does not answer.
+  // Both run concurrently: they mostly wait, the second one for a reader that does not answer.
   std::vector<Run> runs{{SIGKILL, "signal 9", "killed.json"}, {SIGSTOP, "still running", "stopped.json"}};
   for (Run& one : runs)
     one.validate =
@@ -139,7 +140,7 @@ TEST_F(CastingPrograms, DaemonCastsToARendererAndObeys) {
   const Outcome far = run(program_ + " ctl head 2000 0 0" + network);
   EXPECT_EQ(far.exit_code, 2);
   EXPECT_NE(far.err.find("within 1000"), std::string::npos) << far.err;
-  // Nobody on the network has the daemon open its files.
+  // Remote commands must not open the daemon's files.
   const Outcome file = run(program_ + " ctl motion " + write("walk.bvh", "HIERARCHY").string() + network);
   EXPECT_EQ(file.exit_code, 2);
   EXPECT_NE(file.err.find("still"), std::string::npos) << file.err;
@@ -172,7 +173,7 @@ TEST_F(CastingPrograms, DaemonCastsToARendererAndObeys) {
     EXPECT_EQ(report["strands"], 200);
     EXPECT_TRUE(std::filesystem::exists(folder_ / "pictures" / "frame_0002.png"));
   }
-  // Of a daemon that is paused there is one moment to record, not a film of it.
+  // A paused daemon gives one frame to record, not a film of it.
   EXPECT_EQ(run(program_ + " ctl pause" + network).exit_code, 0);
   const std::filesystem::path take = folder_ / "paused.rec";
   const pid_t record = start(
@@ -245,8 +246,8 @@ a = [0, 0.2, 0.9]
     EXPECT_EQ(r.exit_code, 2) << what;
     return r.err;
   };
-  const std::pair<std::string, const char*> bad[] = {{"box mesh 'a cube.obj'", "name of its own"},
-                                                     {"bust sphere 0 0 0 1", "name of its own"},
+  const std::pair<std::string, const char*> bad[] = {{"box mesh 'a cube.obj'", "unique name"},
+                                                     {"bust sphere 0 0 0 1", "unique name"},
                                                      {"x mesh ../outside.obj", "no name within"},
                                                      {"x convex " + outside.string(), "no name within"},
                                                      {"x convex link.obj", "link out of"},
@@ -261,7 +262,7 @@ a = [0, 0.2, 0.9]
     const std::string err = refusal(add + what);
     EXPECT_NE(err.find(told), std::string::npos) << what << "\n" << err;
   }
-  // The daemon casts while it bakes, and ends while it does.
+  // The daemon casts during a bake and can end during it.
   const pid_t waits = start({program_, "ctl", "collider", "add", "slow", "mesh", "a cube.obj", "--cell",
                              "0.0001", "--timeout", "60", "--domain", domain_},
                             "slow.txt");
@@ -311,7 +312,7 @@ TEST_F(CastingPrograms, StepsWaitForThoseThatOthersAskedFor) {
 TEST_F(CastingPrograms, AnInterruptWhileADaemonListensForOthersEndsItAtOnce) {
   if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
   const std::filesystem::path take = write("take.rec", "an old take");
-  // Others of a discovery server are listened for for long.
+  // Listening for rivals takes longest with a discovery server.
   const std::string line = "exec " + daemon_ +
                            " --scene straight --strands 20 --body-contact spheres --backend reference" +
                            " --domain " + domain_ + " --discovery-server 127.0.0.1:1 --claim 1 --record " +

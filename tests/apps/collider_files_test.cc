@@ -1,4 +1,4 @@
-// Colliders that a daemon makes of meshes of its own, by command, over the channel within one process.
+// Colliders that a daemon makes from mesh files by command, over the in-process channel.
 #include "apps/collider_files.h"
 
 #include <CLI/CLI.hpp>
@@ -10,8 +10,8 @@
 #include "tests/apps/mesh_files.h"
 #include "tests/collision/shapes.h"
 #include "tests/error_of.h"
-#include "tests/groom/sample_files.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/sample_files.h"
+#include "tests/io/scratch_folder.h"
 #include "transport/chunks.h"
 #include "transport/collider_chunks.h"
 #include "transport/parameter_table.h"
@@ -20,7 +20,7 @@
 namespace strandcast {
 namespace {
 
-// What else is refused: tests/groom/folder_files_test.cc.
+// Other refusals: tests/groom/folder_files_test.cc.
 TEST(FilesWithin, AreThoseOfTheFolderAlone) {
   const ScratchFolder scratch;
   std::filesystem::create_directories(scratch / "open");
@@ -108,7 +108,7 @@ class DaemonColliderFiles : public DaemonFixture {
  protected:
   void SetUp() override {
     writeObj(scratch_ / "ball.obj", shapes::sphere(0.04f, 3));
-    writeObj(scratch_ / "pebble.obj", shapes::sphere(0.04f, 2));  // fewer planes than a convex body may have
+    writeObj(scratch_ / "pebble.obj", shapes::sphere(0.04f, 2));  // few enough planes for a convex body
     writeObj(scratch_ / "cube.obj", shapes::box(Vec3(0.05f, 0.02f, 0.03f)));
     TriangleMesh open = shapes::sphere(0.04f, 2);
     open.triangles.resize(open.triangles.size() / 2);
@@ -136,7 +136,7 @@ class DaemonColliderFiles : public DaemonFixture {
     if (kind == PrimitiveKind::kField) collider.cell = 4e-3f;
     return collider;
   }
-  /// One whose bake takes many seconds.
+  /// A collider whose bake takes many seconds.
   static ColliderFile slow(const std::string& name) {
     ColliderFile collider = of(name, "ball.obj");
     collider.cell = 1e-4f;
@@ -151,7 +151,7 @@ class DaemonColliderFiles : public DaemonFixture {
   std::optional<std::string> answerTo(uint64_t command) {
     return subscriber_->waitForAnswer(command, std::chrono::milliseconds(0));
   }
-  /// The answer, after as many frames as it takes.
+  /// Waits for the answer, casting frames meanwhile.
   std::string answerInTheEnd(uint64_t command) {
     for (int i = 0; i < 3000; ++i) {
       cast(1);
@@ -174,7 +174,7 @@ class DaemonColliderFiles : public DaemonFixture {
             1,
             seconds};
   }
-  /// m, from the surface of the collider that came last, as readers know it.
+  /// Distance from the surface of the newest collider, m, as readers receive it.
   float distance(const Vec3& p) const {
     const Collider& collider = subscriber_->colliders()->colliders.back();
     Pose pose;
@@ -249,7 +249,7 @@ TEST_F(DaemonColliderFiles, KeepHairOutAndAreMoved) {
   }
 }
 
-// docs/wire.md: a body is drawn with fields that lie on it in their own frame.
+// docs/wire.md: only fields in their own frame carry the body's vertices.
 TEST_F(DaemonColliderFiles, MeshesAreNoPartsOfTheBody) {
   ASSERT_EQ(add(of("ball", "ball.obj")), "");
   const ContactPrimitive& shape = subscriber_->colliders()->colliders.back().shapes[0];
@@ -274,7 +274,7 @@ TEST_F(DaemonColliderFiles, FramesGoOnWhileTheyAreMade) {
   EXPECT_EQ(command(CommandKind::kRemoveCollider, "slow"), "");
   EXPECT_NE(answerInTheEnd(long_bake).find("removed meanwhile"), std::string::npos);
   EXPECT_EQ(colliders(), scene_bodies_ + 1);
-  EXPECT_NE(command(CommandKind::kRemoveCollider, "slow").find("there is no collider"), std::string::npos);
+  EXPECT_NE(command(CommandKind::kRemoveCollider, "slow").find("unknown collider"), std::string::npos);
   EXPECT_EQ(add(of("slow", "cube.obj", PrimitiveKind::kConvex)), "") << "the name is free again";
 }
 
@@ -289,7 +289,7 @@ TEST_F(DaemonColliderFiles, AreRefusedWhenTheDaemonEnds) {
   EXPECT_EQ(colliders(), scene_bodies_);
   send(slow("another"));
   cast(1);
-  daemon_.reset();  // which waits for no bake
+  daemon_.reset();  // does not wait for the bake
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
@@ -324,14 +324,14 @@ TEST_F(DaemonColliderFiles, WhatCannotBeMadeIsRefused) {
   EXPECT_NE(add(fine), "") << "its grid would have too many bricks";
   EXPECT_NE(add(of("", "cube.obj")), "");
   ASSERT_EQ(add(of("cube", "cube.obj", PrimitiveKind::kConvex)), "");
-  EXPECT_NE(add(of("cube", "ball.obj")).find("name of its own"), std::string::npos);
+  EXPECT_NE(add(of("cube", "ball.obj")).find("unique name"), std::string::npos);
   EXPECT_EQ(colliders(), scene_bodies_ + 1);
   settings_.collider_folder.clear();
   start(settings_, makeScene(settings_.scene));
   EXPECT_NE(add(of("cube", "cube.obj", PrimitiveKind::kConvex)).find("--collider-folder"), std::string::npos);
 }
 
-// Bodies come when they are made, which the clock says: the recording says it, too.
+// Bodies appear when they are made, which depends on timing: the recording must store when.
 TEST_F(DaemonColliderFiles, ARunIsRepeated) {
   const std::filesystem::path run = scratch_ / "run.rec";
   const std::vector<std::string> words{"--scene",           "straight",
@@ -349,7 +349,7 @@ TEST_F(DaemonColliderFiles, ARunIsRepeated) {
     auto recording = std::make_unique<RecordingPublisher>(std::move(channel), false);
     RecordingPublisher& publisher = *recording;
     const Settings settings = options.resolve();
-    daemon_ = std::make_unique<Daemon>(settings, makeSceneAloud(settings.scene), publisher, 77);
+    daemon_ = std::make_unique<Daemon>(settings, makeSceneWithProgress(settings.scene), publisher, 77);
     publisher_ = std::move(recording);
     publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
     daemon_->announce();
@@ -359,7 +359,8 @@ TEST_F(DaemonColliderFiles, ARunIsRepeated) {
       ball.cell = 1.5e-3f;
       ball.pose.position = Vec3(0, -0.05f, -0.12f);
       const uint64_t mesh = send(ball);
-      // Refused, for the name is taken; it is not when the run is repeated.
+      // Refused because the name is taken. It must not be recorded: a resimulation, where the body appears
+      // later, would accept it.
       EXPECT_NE(add(of("ball", "cube.obj", PrimitiveKind::kConvex)), "");
       EXPECT_EQ(answerInTheEnd(mesh), "");
       EXPECT_EQ(command(CommandKind::kMoveCollider, "ball", at(Vec3(0.05f, -0.1f, -0.1f), 0.2)), "");

@@ -1,11 +1,11 @@
-// A daemon's colliders, over the channel within one process.
+// A daemon's colliders, over the in-process channel.
 #include <fstream>
 
-#include "groom/file_bytes.h"
+#include "io/file_bytes.h"
 #include "tests/apps/daemon_fixture.h"
 #include "tests/error_of.h"
-#include "tests/groom/scratch_folder.h"
-#include "tests/groom/skinned_arm.h"
+#include "tests/io/scratch_folder.h"
+#include "tests/io/skinned_arm.h"
 #include "transport/collider_chunks.h"
 #include "transport/parameter_table.h"
 
@@ -57,7 +57,7 @@ TEST_F(DaemonColliders, AreAddedMovedAndRemovedByCommand) {
   };
   EXPECT_FLOAT_EQ(place(), 0.5f);
   EXPECT_EQ(order(CommandKind::kMoveCollider, "ball", {0, 0, 0.3, 0, 0, 0, 1, 0.5}), "");
-  cast(14);  // a quarter of a second, with the frame of the command
+  cast(14);  // a quarter of a second, including the frame of the command
   EXPECT_NEAR(place(), 0.4, 0.01);
   cast(30);
   EXPECT_FLOAT_EQ(place(), 0.3f) << "and stays";
@@ -80,7 +80,7 @@ TEST_F(DaemonColliders, AreToldByTheirNames) {
 
 TEST_F(DaemonColliders, KeepHairOut) {
   cast(1);
-  // Slowly to where the tip hangs that is farthest from the head.
+  // Moves slowly to the position of the tip farthest from the head.
   const auto before = subscriber_->frame();
   size_t tip = 0;
   for (size_t v = 0; v < before->positions.size(); ++v)
@@ -101,7 +101,7 @@ TEST_F(DaemonColliders, KeepHairOut) {
 
 TEST_F(DaemonColliders, BadCommandsAreRefused) {
   EXPECT_EQ(order(CommandKind::kAddCollider, "ball", ball(0.5, true)), "");
-  EXPECT_NE(order(CommandKind::kAddCollider, "ball", ball(0.5)).find("name of its own"), std::string::npos);
+  EXPECT_NE(order(CommandKind::kAddCollider, "ball", ball(0.5)).find("unique name"), std::string::npos);
   EXPECT_NE(order(CommandKind::kMoveCollider, "ball", {0, 0, 0, 0, 0, 0, 1}).find("follows the head"),
             std::string::npos);
   EXPECT_NE(order(CommandKind::kMoveCollider, "cube", {0, 0, 0, 0, 0, 0, 1}), "");
@@ -109,9 +109,9 @@ TEST_F(DaemonColliders, BadCommandsAreRefused) {
   std::vector<double> field = ball(0.5), nowhere = ball(0.5), flat = ball(0.5), nameless = ball(0.5),
                       point = ball(0.5);
   field[0] = 7;
-  nowhere[8] = 0;    // no rotation
+  nowhere[8] = 0;    // zero quaternion
   flat[0] = 5;       // a box without extent
-  point[9 + 6] = 0;  // a ball without a radius
+  point[9 + 6] = 0;  // sphere of radius 0
   for (const auto& bad : {field, nowhere, flat, point})
     EXPECT_NE(order(CommandKind::kAddCollider, "bad", bad), "");
   EXPECT_NE(order(CommandKind::kAddCollider, "", nameless), "");
@@ -155,8 +155,8 @@ TEST_F(DaemonColliders, ThoseThatTheSceneNamesAreMovedAndRemoved) {
   EXPECT_EQ(place(), Vec3(0.1f, 0, 0.3f)) << "its middle is where it is told to be";
   EXPECT_NE(order(CommandKind::kMoveCollider, "hat", {0, 0, 0, 0, 0, 0, 1}).find("follows the head"),
             std::string::npos);
-  EXPECT_NE(order(CommandKind::kAddCollider, "hat", ball(0.5)).find("name of its own"), std::string::npos);
-  EXPECT_NE(order(CommandKind::kAddCollider, "bust", ball(0.5)).find("name of its own"), std::string::npos);
+  EXPECT_NE(order(CommandKind::kAddCollider, "hat", ball(0.5)).find("unique name"), std::string::npos);
+  EXPECT_NE(order(CommandKind::kAddCollider, "bust", ball(0.5)).find("unique name"), std::string::npos);
   for (const CommandKind kind : {CommandKind::kMoveCollider, CommandKind::kRemoveCollider})
     EXPECT_NE(order(kind, "bust", {0, 0, 0, 0, 0, 0, 1}).find("hair grows on 'bust'"), std::string::npos);
   EXPECT_EQ(order(CommandKind::kRemoveCollider, "hat"), "");
@@ -199,7 +199,7 @@ TEST_F(DaemonColliders, OnesThatHangOnJointsGoWithThemAndCanOnlyBeRemoved) {
   EXPECT_GT((subscriber_->frame()->positions[0] - Vec3(0.04f, 0.2f, 0)).norm(), 5e-3f)
       << "hair on the neck stays on its skin, which the head takes along";
   const std::string told = order(CommandKind::kMoveCollider, "crown", {0, 0, 0, 0, 0, 0, 1});
-  EXPECT_NE(told.find("goes with the body's joint 'head'"), std::string::npos) << told;
+  EXPECT_NE(told.find("follows the body's joint 'head'"), std::string::npos) << told;
   EXPECT_NE(order(CommandKind::kMoveCollider, "walker", {0, 0, 0, 0, 0, 0, 1}).find("move its joints"),
             std::string::npos);
   const size_t with = subscriber_->colliders()->colliders.size();
@@ -225,9 +225,9 @@ TEST_F(DaemonColliders, MoreThanAFrameTellsOfAreRefusedBeforeTheFirst) {
 
 TEST_F(DaemonColliders, OneThatIsRefusedChangesNothing) {
   std::vector<double> vast = ball(0.5);
-  vast[9 + 6] = 2e7;  // m, its radius
+  vast[9 + 6] = 2e7;  // radius, m
   EXPECT_NE(order(CommandKind::kAddCollider, "vast", vast).find("10 km"), std::string::npos);
-  EXPECT_NE(order(CommandKind::kRemoveCollider, "vast").find("there is no collider"), std::string::npos);
+  EXPECT_NE(order(CommandKind::kRemoveCollider, "vast").find("unknown collider"), std::string::npos);
   EXPECT_EQ(order(CommandKind::kAddCollider, "ball", ball(0.5)), "");
   EXPECT_EQ(subscriber_->colliders()->colliders.size(), scene_bodies_ + 1);
   EXPECT_EQ(order(CommandKind::kRemoveCollider, "ball"), "");

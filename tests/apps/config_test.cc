@@ -192,7 +192,8 @@ TEST(Config, APrimitiveHasAJointOrANameOrBoth) {
   EXPECT_EQ(configErrorOf(ball + "joint = \"\""),
             "a joint has no name: hair.toml line 3; name one, or leave it out");
   EXPECT_EQ(configErrorOf(ball + "joint = \"LeftHand\"\nfollows_head = false"),
-            "a primitive goes with its joint: hair.toml line 4; leave follows_head out, or joint");
+            "a primitive with a joint always follows that joint: hair.toml line 4; leave out follows_head or "
+            "joint");
   for (const std::string& name : {std::string(), std::string("a\\nb"), std::string(256, 'n')})
     EXPECT_NE(configErrorOf(ball + "name = \"" + name + "\"").find("hair.toml line 3; give 1 to 255 bytes"),
               std::string::npos)
@@ -308,7 +309,7 @@ TEST(Config, OtherThanAsciiIsForStringsAndComments) {
   readConfigText("[body]\nfile = \"\"\"\n\"\xc3\xa4\"\"\"\"  # \xc3\xa4\n", "hair.toml", settings);
   readConfigText("motion = \"\"\"\\\n\xc3\xa4\"\"\"\n", "hair.toml", settings);
   EXPECT_EQ(settings.scene.motion, "\xc3\xa4");
-  // Found by libFuzzer: each ran into undefined behaviour of toml++.
+  // Found by libFuzzer: each triggered undefined behaviour in toml++.
   for (const char* text :
        {"\nseed = [1\xc3\xa4]", "\nseed = 1 \xe2\x80\x83", "\n\xc3\xa4 = 1", "\nfiles = M\xc3\xbcller",
         "\nseed = --!-'\xef\xbb\x9f'", "\nseed = 1..\"\"\"\xef\xb9\xbf\"\"\"",
@@ -326,7 +327,7 @@ TEST(Config, KeysOfVeryManyPartsAreRefused) {
     for (int i = 1; i < n; ++i) key += " ." + part;
     return key;
   };
-  // The first of these ran out of stack.
+  // The first of these overflowed the stack.
   for (const std::string& text : {parts(100000, "a") + "=1", "[" + parts(65, "a") + "]",
                                   "[[" + parts(65, "'a'") + "]]", "a = {" + parts(65, "\"a\"") + " = 1}"})
     EXPECT_NE(configErrorOf("\n" + text).find("more than 64 parts: hair.toml line 2"), std::string::npos)

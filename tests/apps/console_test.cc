@@ -9,7 +9,7 @@
 namespace strandcast {
 namespace {
 
-/// What a program with a few verbs says of these words; empty where it takes them.
+/// The error of a program with a few verbs for these arguments; empty where it accepts them.
 std::string saidOf(std::vector<const char*> words) {
   CLI::App app("a program");
   app.require_subcommand(1);
@@ -46,8 +46,8 @@ TEST(Console, AWordThatIsNoVerbHasTheNearestOneNamed) {
             "error: 'mvoe' is not a verb: strandcast ctl collider; did you mean 'move'? see `strandcast ctl "
             "collider --help`\n");
   EXPECT_EQ(saidOf({"ctl", "nonsense"}),
-            "error: 'nonsense' is not a verb: strandcast ctl; there are collider, "
-            "status, wind, reset; see `strandcast ctl --help`\n");
+            "error: 'nonsense' is not a verb: strandcast ctl; choose one of collider, status, wind, reset; "
+            "see `strandcast ctl --help`\n");
 }
 
 TEST(Console, AnUnknownOptionHasTheNearestOneNamed) {

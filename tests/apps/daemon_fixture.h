@@ -14,7 +14,7 @@
 
 namespace strandcast {
 
-/// A daemon with few short strands on a still head, and who reads it, over the channel within one process.
+/// A daemon with few short strands on a still head, and its reader, over the in-process channel.
 class DaemonFixture : public ::testing::Test {
  protected:
   static Settings fewStrands() {
@@ -31,7 +31,7 @@ class DaemonFixture : public ::testing::Test {
     daemon_ = std::make_unique<Daemon>(settings, std::move(scene), *publisher_, newSession());
     daemon_->announce();
   }
-  /// The daemon's answer.
+  /// Sends a command and returns the daemon's answer.
   std::string order(CommandKind kind, std::vector<double> values, const std::string& name = "") {
     const Command command{.id = ++id_, .kind = kind, .name = name, .values = std::move(values)};
     subscriber_->send(command);

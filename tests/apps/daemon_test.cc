@@ -23,7 +23,8 @@ class DaemonTest : public DaemonFixture {
  protected:
   void SetUp() override {
     const Settings settings = fewStrands();
-    static const Scene scene = makeScene(settings.scene);  // of all tests: the head is made of many triangles
+    static const Scene scene = makeScene(settings.scene);  // shared by all tests, because the head's mesh is
+                                                           // large
     start(settings, scene);
   }
   double seconds() const { return subscriber_->frame()->simulation_time; }
@@ -32,7 +33,8 @@ class DaemonTest : public DaemonFixture {
 TEST_F(DaemonTest, HoldsStillWhilePausedAndTakesSingleSteps) {
   EXPECT_NE(order(CommandKind::kStep, {1}).find("pause it first"), std::string::npos);
   EXPECT_EQ(order(CommandKind::kPause, {1}), "");
-  daemon_->setStepping([](const Simulation&) { return true; });  // however long they take, all within a frame
+  daemon_->setStepping([](const Simulation&) { return true; });  // all steps in one frame, however long they
+                                                                 // take
   const double held = seconds();
   const uint64_t frame = subscriber_->frame()->frame;
   cast(5);
@@ -47,7 +49,7 @@ TEST_F(DaemonTest, HoldsStillWhilePausedAndTakesSingleSteps) {
 
 TEST_F(DaemonTest, TakesManyStepsByAndBy) {
   EXPECT_EQ(order(CommandKind::kPause, {1}), "");
-  daemon_->setStepping([](const Simulation&) { return false; });  // one a frame
+  daemon_->setStepping([](const Simulation&) { return false; });  // one step per frame
   const double held = seconds();
   const uint64_t frame = subscriber_->frame()->frame;
   uint64_t id = 100;
@@ -70,7 +72,7 @@ TEST_F(DaemonTest, TakesManyStepsByAndBy) {
   EXPECT_NEAR(seconds(), held + 2.0 / 60 + 2 * 0.001, 1e-6);
 
   const uint64_t many = step(999);
-  EXPECT_NE(answerTo(step(3)).find("998 steps are still to be taken"), std::string::npos);
+  EXPECT_NE(answerTo(step(3)).find("998 steps are pending"), std::string::npos);
   EXPECT_EQ(order(CommandKind::kPause, {0}), "");
   EXPECT_NE(answerTo(many).find("997 steps were not taken"), std::string::npos);
 }
@@ -128,7 +130,7 @@ TEST_F(DaemonTest, AMotionBeginsWhereTheHeadIs) {
     const Pose before = subscriber_->frame()->head;
     EXPECT_EQ(order(CommandKind::kHeadMotion, {}, motion), "");
     const Pose after = subscriber_->frame()->head;
-    // Of 2.2 in 12 frames.
+    // The head turns by 2.2 rad within 12 frames (kRampSeconds).
     EXPECT_LT(after.rotation.angularDistance(before.rotation), 0.3f) << motion;
     EXPECT_LT((after.position - before.position).norm(), 0.02f) << motion;
     cast(20);
@@ -162,10 +164,10 @@ TEST_F(DaemonTest, AResetLetsGoAndMeasuresAnew) {
   const Vec3 rest = subscriber_->frame()->positions[tip];
   const Vec3 to = rest + Vec3(0, 0.05f, 0.2f);
   const std::vector<double> pull{rest.x(), rest.y(), rest.z(), 0.001, to.x(), to.y(), to.z(), 100};
-  const std::vector<double> head{0, 0.05, 0, 0, 0, 0, 1};  // up: away from the shoulders
+  const std::vector<double> head{0, 0.05, 0, 0, 0, 0, 1};  // upwards, away from the shoulders
   EXPECT_EQ(order(CommandKind::kHeadPose, head), "");
   EXPECT_EQ(order(CommandKind::kPull, pull), "");
-  std::vector<double> ball(25);  // a sphere: its pose from 2 on, its shape from 9 on
+  std::vector<double> ball(25);  // a sphere: pose from index 2, shape from index 9
   ball[2] = 5;                   // far from the hair
   ball[8] = ball[24] = 1;
   ball[15] = 0.05;
@@ -242,7 +244,7 @@ TEST_F(DaemonTest, TheObserverSeesEveryFrame) {
   EXPECT_EQ(seen, 3);
 }
 
-/// A channel on which there is `heard`.
+/// A channel that reports the rival `heard`.
 class RivalChannel final : public Publisher {
  public:
   std::optional<Rival> heard;
@@ -256,7 +258,7 @@ class RivalChannel final : public Publisher {
   EncodingReport encoding() const override { return {}; }
 };
 
-/// What a watch of session 0x80 says of `heard`, having cast `frames` for so long, and why it ends.
+/// The result of RivalWatch::look() of session 0x80 for the rival `heard`, after `frames` frames.
 struct Looked {
   std::string said, ends;
 };
@@ -281,7 +283,8 @@ TEST(RivalWatchTest, TellsOnceOfEachThatCasts) {
   };
   EXPECT_EQ(said(std::nullopt), "");
   EXPECT_EQ(said(Rival{0xab, false}), "") << "it starts, hears of this one and goes";
-  EXPECT_NE(said(Rival{0xab, true}).find("session 00000000000000ab, casts groom 7 too"), std::string::npos);
+  EXPECT_NE(said(Rival{0xab, true}).find("session 00000000000000ab, also publishes groom 7"),
+            std::string::npos);
   EXPECT_EQ(said(Rival{0xab, true}), "");
   EXPECT_NE(said(Rival{0xcd, true}).find("session 00000000000000cd"), std::string::npos);
 }

@@ -1,4 +1,4 @@
-// What programs tell a renderer of the bodies of a stream, scene after scene.
+// The obstacles that programs pass to a renderer for a stream, for each scene.
 #include "apps/hair_obstacles.h"
 
 #include "apps/picture_options.h"

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "tests/error_of.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 
 namespace strandcast {
 namespace {

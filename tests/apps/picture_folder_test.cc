@@ -1,4 +1,4 @@
-// Films are made by ffmpeg, here by scripts of that name that do what it does when all is well, and when not.
+// Films are made by scripts named ffmpeg that imitate its success and its failures.
 #include "apps/picture_folder.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ class PictureFolderTest : public ::testing::Test {
     g_interrupted = false;
     fs::remove_all(folder_);
   }
-  // Of the shell; $film is what ffmpeg is to write.
+  // Installs a shell script as ffmpeg; $film is the output file.
   void ffmpegDoes(const std::string& commands) {
     std::ofstream(folder_ / "ffmpeg") << "#!/bin/sh\nfor film; do :; done\n" << commands << "\n";
     fs::permissions(folder_ / "ffmpeg", fs::perms::owner_all);
@@ -84,7 +84,7 @@ TEST_F(PictureFolderTest, AFilmIsTriedBeforeAnythingIsDrawn) {
   EXPECT_NE(errorOf([&] { checkMovie(""); }).find("has no name"), std::string::npos);
   ffmpegDoes("exit 1");
   EXPECT_EQ(errorOf([&] { checkMovie("film.xyz"); }),
-            "ffmpeg makes no film of this kind: --movie film.xyz; choose another extension, e.g. .mp4");
+            "ffmpeg does not write this format: --movie film.xyz; choose another extension, e.g. .mp4");
   setenv("PATH", "/nowhere", 1);
   EXPECT_EQ(errorOf([&] { checkMovie(movie_); }),
             "ffmpeg is not installed: --movie " + movie_.string() + "; install it, or leave out --movie");
@@ -92,7 +92,7 @@ TEST_F(PictureFolderTest, AFilmIsTriedBeforeAnythingIsDrawn) {
 
 TEST_F(PictureFolderTest, NewPicturesDoNotLieBesideEarlierOnes) {
   const fs::path out = folder_ / "out";
-  fs::create_directories(out / "frame_0007.png");  // a folder of that name is none of ours
+  fs::create_directories(out / "frame_0007.png");  // a folder of that name is not a picture
   for (const char* name :
        {"frame_0000.png", "frame_0002.png", "frame_12345.png", "frame_002.png", "frame_00002.png",
         "frame_0002.png.txt", "my_frame_0002.png", "Frame_0002.png", "frame_0002.jpg"})

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "tests/error_of.h"
 #include "tests/full_disk.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 
 namespace strandcast {
 namespace {
@@ -47,7 +47,7 @@ TEST(PictureSettings, RefuseALightThatGoesNowhere) {
 
 TEST(PictureSettings, RendererKeepsEveryValueThatTheyAllow) {
   for (const PictureSetting& setting : pictureSettings()) {
-    if (setting.file != nullptr || setting.info.name == "light-direction") continue;  // which is made unit
+    if (setting.file != nullptr || setting.info.name == "light-direction") continue;  // is normalised
     for (const double end : {setting.info.low, setting.info.high}) {
       PictureOptions options;
       setPicture(options, setting, std::vector<double>(setting.get(options).size(), end), "test");
@@ -68,7 +68,7 @@ TEST(VoidPictureOptions, AreToldOfWithTheReason) {
   set("light-cone", {30});
   EXPECT_EQ(voidPictureOptions(options),
             std::vector<std::string>{"--light-cone is not used: the light is no spot"});
-  set("light", {2});  // a spot, after what it is given
+  set("light", {2});  // a spot, set after its cone
   set("light-cone", {40});
   set("zoom", {2});
   set("shadow-map", {64});
@@ -134,7 +134,7 @@ TEST(Presets, LightsTakeThePlaceOfThoseBeforeOrStay) {
   EXPECT_EQ(picture.settings.lights[1].intensity, 2);
   EXPECT_EQ(picture.settings.lights[2], Light());
   EXPECT_EQ(picture.light, 0u);
-  // As presets had it when pictures had one light.
+  // The format of presets before pictures could have several lights.
   readPresetText("[picture]\nlight = \"spot\"\nlight-cone = 30\n", "preset", picture);
   ASSERT_EQ(picture.settings.lights.size(), 1u);
   EXPECT_EQ(picture.settings.lights[0].kind, LightKind::kSpot);
@@ -175,7 +175,7 @@ TEST(PictureArguments, SettingsOfLightsAreOfTheOneNamedLast) {
   EXPECT_EQ(options.light, 0u);
   const std::vector<Light> given = lights;
 
-  // A preset with two lights, behind all that: the options win.
+  // A preset with two lights, given after the options: the options override it.
   const ScratchFolder folder;
   PictureOptions preset;
   addLight(preset, "test");
@@ -189,7 +189,7 @@ TEST(PictureArguments, SettingsOfLightsAreOfTheOneNamedLast) {
   EXPECT_EQ(lights[0].kind, LightKind::kPoint);
   EXPECT_EQ(lights[1], given[1]);
 
-  // Without a kind the lights of a preset stay.
+  // Without the option --light, the preset's lights are kept.
   PictureOptions others;
   PictureArguments few(others);
   set(few, "light-intensity", {0.25});
@@ -210,15 +210,15 @@ TEST(Presets, MistakesAreSaidWithTheirLineAndChangeNothing) {
            {"[picture]\nsamples = 99\n", "out of range"},
            {"[picture]\nsamples = 'many'\n", "not a number"},
            {"[picture]\ngeometry = \"tubes\"\n", "choose one of"},
-           {"[picture]\npasses = [\"hair\", \"teeth\"]\n", "no pass 'teeth'"},
+           {"[picture]\npasses = [\"hair\", \"teeth\"]\n", "unknown pass 'teeth'"},
            {"[picture]\nhair-color = [1, 2]\n", "takes 3 numbers"},
            {"[parameters]\nair_darg = 1\n", "did you mean 'air_drag'"},
            {"[parameters]\nair_drag = -1\n", "out of range"},
            {"[daemon]\nrate = 1\n", "[parameters], [picture] and [[light]]"},
            {"picture = 1\n", "[parameters], [picture] and [[light]]"},
-           {"light = 3\n", "no list of lights"},
-           {"light = []\n", "no list of lights"},
-           {"[light]\nkind = \"spot\"\n", "no list of lights"},
+           {"light = 3\n", "not a list of lights"},
+           {"light = []\n", "not a list of lights"},
+           {"[light]\nkind = \"spot\"\n", "not a list of lights"},
            {"[[light]]\n\nintenisty = 3\n", "preset line 3, light.intenisty; did you mean 'light-intensity'"},
            {"[[light]]\nkind = \"lava\"\n", "choose one of"},
            {"[[light]]\n[[light]]\n[[light]]\n[[light]]\n[[light]]\n", "at most 4 lights: preset line 5"},

@@ -18,30 +18,30 @@
 
 namespace strandcast {
 
-/// What a shell would call it, or 1000 and the signal that ended it.
+/// The exit code as a shell reports it, or 1000 plus the signal that ended the process.
 inline int exitCodeOf(int wait_status) {
   return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 1000 + WTERMSIG(wait_status);
 }
 
-/// Of a file.
+/// The content of a file.
 inline std::string contents(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A cube of 0.1 units as .obj.
+/// A cube of edge 0.1 units as .obj.
 inline const std::string kCube =
     "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nv 0 0 0.1\nv 0.1 0 0.1\nv 0.1 0.1 0.1\nv 0 0.1 0.1\n"
     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
 
-/// What a program that has ended left behind.
+/// The results of a program that has ended.
 struct Outcome {
   int exit_code = -1;
   std::string out, err;
 };
 
-/// Programs as a user runs them, in a folder of the test's own. Those that still run at its end are killed,
-/// also where the test itself is.
+/// Runs programs as a user does, in a temporary folder. Programs that still run at the end of the test are
+/// killed, also where the test process itself is killed (PR_SET_PDEATHSIG).
 class ProgramFixture : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -60,14 +60,14 @@ class ProgramFixture : public ::testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
   }
-  /// What a shell does with this line.
+  /// Runs a line in a shell and waits for its end.
   Outcome run(const std::string& command) {
     const auto out = folder_ / "out.txt", err = folder_ / "err.txt";
     const int status = std::system((command + " >" + out.string() + " 2>" + err.string()).c_str());
     return {exitCodeOf(status), contents(out), contents(err)};
   }
 
-  /// Starts a program in the folder without waiting for it; what it prints goes into the file `out` there.
+  /// Starts a program in the folder without waiting for it; its output goes to the file `out` there.
   pid_t start(std::vector<std::string> words, const std::string& out) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
@@ -84,7 +84,8 @@ class ProgramFixture : public ::testing::Test {
     running_.insert(child);
     return child;
   }
-  /// Ctrl-C, once the program listens for it: however slowly it started, it does not die of it unheard.
+  /// Sends SIGINT once the program handles it: a program that starts slowly must not die of the default
+  /// action.
   void interrupt(pid_t child) {
     for (int i = 0; i < 600 && !catchesInterrupts(child) && isRunning(child); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -1,4 +1,4 @@
-// The programs as a user runs them, each by itself: exit codes, one-line errors, files and pictures.
+// The programs as a user runs them, each on its own: exit codes, one-line errors, files and pictures.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,11 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "groom/distance_field_file.h"
-#include "groom/file_bytes.h"
-#include "groom/groom_file.h"
+#include "io/distance_field_file.h"
+#include "io/file_bytes.h"
+#include "io/groom_file.h"
 #include "tests/apps/program_fixture.h"
-#include "tests/groom/sample_files.h"
+#include "tests/io/sample_files.h"
 
 namespace strandcast {
 namespace {
@@ -226,7 +226,8 @@ TEST_F(Programs, ConvertCleansWhatResamplingGetsIntoOnePlace) {
   const std::string in = (folder_ / "in.tfx").string(), hair = (folder_ / "out.hair").string();
   writeGroom(in, strands);
   const auto r = run(program_ + " convert --vertices 4 " + in + " " + hair);
-  EXPECT_NE(r.err.find("1 vertices in the place of a neighbour and 0 strands"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("1 vertices at the position of a neighbour and 0 strands"), std::string::npos)
+      << r.err;
   EXPECT_EQ(readRawGroom(hair).strands.offsets, (std::vector<uint32_t>{0, 3, 7}));
   const auto kept = run(program_ + " convert --vertices 4 " + in + " " + in + ".tfx");
   EXPECT_NE(kept.err.find("are kept"), std::string::npos) << kept.err;
@@ -313,7 +314,7 @@ TEST_F(Programs, ABakeThatIsStoppedWhileItMeasuresSaysWhatIsKept) {
   const std::filesystem::path cube = write("cube.obj", kCube), out = folder_ / "cube.sdf",
                               cache = folder_ / "cache";
   int exit_code = 0;
-  for (int tries = 0; tries < 8 && exit_code == 0; ++tries) {  // it measures for a tenth of a second only
+  for (int tries = 0; tries < 8 && exit_code == 0; ++tries) {  // it measures for only a tenth of a second
     std::filesystem::remove_all(cache);
     std::filesystem::remove(out);
     const pid_t child = start({"/bin/sh", "-c",

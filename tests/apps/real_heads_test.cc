@@ -8,7 +8,7 @@
 #include "core/sag_free.h"
 #include "core/simulation.h"
 #include "groom/clean.h"
-#include "groom/groom_file.h"
+#include "groom/load_groom.h"
 #include "scenes/scene.h"
 #include "simd/simd_backend.h"
 #include "tests/real_data.h"
@@ -32,7 +32,7 @@ TEST_P(RealHeads, RestAfterBeingShaken) {
   settings.scene.body = dataFolder() / GetParam().body;
   settings.scene.units.unit_meters = GetParam().unit_meters;
   settings.scene.motion = "shake";
-  settings.scene.body_cell = 0.005f;  // m, so that it is baked in seconds
+  settings.scene.body_cell = 0.005f;  // m, coarse, so that it is baked in seconds
   for (const auto& file : settings.scene.groom)
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
 
@@ -54,8 +54,8 @@ INSTANTIATE_TEST_SUITE_P(Heads, RealHeads,
                                               0.0025f}),
                          [](const auto& head) { return head.param.name; });
 
-// A groom of few vertices that is resampled to many has a kink where it had a vertex, in edges far stiffer
-// than its own.
+// Resampling a groom of few vertices to many leaves a kink at each original vertex, between edges far stiffer
+// than the original ones.
 struct Part {
   const char* name;
   std::string file;

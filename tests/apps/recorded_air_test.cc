@@ -1,4 +1,4 @@
-// Grids of a simulation, as a recording keeps them.
+// Grids of a simulation as a recording stores them.
 #include "apps/recorded_air.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 namespace strandcast {
 namespace {
 
-/// Linear, so that what is interpolated is exact.
+/// Linear fields, which interpolation reproduces exactly.
 class SlantedAir final : public AirFields {
  public:
   SlantedAir(bool has_density, bool has_wind) : has_density_(has_density), has_wind_(has_wind) {}

@@ -1,4 +1,4 @@
-// The programs as a user runs them: what is cast is recorded, cast again, simulated again and drawn.
+// The programs as a user runs them: streams are recorded, replayed, resimulated and drawn.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "groom/groom_file.h"
+#include "io/groom_file.h"
 #include "tests/apps/program_fixture.h"
 #include "tests/transport/dds_domain.h"
 
@@ -69,7 +69,7 @@ TEST_F(RecordingPrograms, ARunIsRecordedReplayedAndRepeatedBitForBit) {
   EXPECT_EQ(run(program_ + " ctl stop" + network).exit_code, 0);
 }
 
-// Recordings have no colliders: the field of the body is baked, and here it cannot be kept. Of a small body,
+// Recordings have no colliders, so the body's field is baked; here there is no cache for it. A small body,
 // from a log.
 TEST_F(RecordingPrograms, HairIsKeptOutOfTheBodyOfARecording) {
   if (!STRANDCAST_GL) GTEST_SKIP() << "built without OpenGL";
@@ -92,7 +92,7 @@ TEST_F(RecordingPrograms, HairIsKeptOutOfTheBodyOfARecording) {
                             (folder_ / "pictures").string() + log + "?mode=r'");
   if (drawn.err.find("OpenGL") != std::string::npos) GTEST_SKIP() << drawn.err;
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
-  EXPECT_NE(drawn.err.find("bakes the body anew"), std::string::npos) << drawn.err;
+  EXPECT_NE(drawn.err.find("bakes the body's field again"), std::string::npos) << drawn.err;
   EXPECT_TRUE(std::filesystem::exists(folder_ / "pictures" / "frame_0000.png"));
 }
 
@@ -102,7 +102,7 @@ TEST_F(RecordingPrograms, ATakeOutlivesARecordThatHearsNothing) {
   const std::string record = program_ + " record " + take.string() + " --domain " + domain_;
   const Outcome silent = run(record + " --timeout 0.3");
   EXPECT_EQ(silent.exit_code, 2);
-  EXPECT_NE(silent.err.find("no frame came"), std::string::npos) << silent.err;
+  EXPECT_NE(silent.err.find("no frame arrived"), std::string::npos) << silent.err;
   EXPECT_EQ(contents(take), "an old take");
   EXPECT_EQ(run("timeout -s INT 1 " + record).exit_code, 124) << "by timeout's own convention";
   EXPECT_EQ(contents(take), "an old take");
@@ -172,7 +172,7 @@ TEST_F(RecordingPrograms, FramesWhoseWindIsOnNoGridAreNotDrawn) {
              "--set", "wind=3,0,0",    "--set",          "wind_grid=1", "--set",    "volume_stiffness=1",
              "--set", "grid_cells=16", "--record-grids", "1",           "--record", file},
             "daemon.txt");
-  // With forces between hairs, whose grid is recorded without the wind's, and without, when none is.
+  // Recorded in turn: both grids, only the grid of forces between hairs, none, and the wind grid.
   for (const char* change : {"set wind_grid 0", "set volume_stiffness 0", "set wind_grid 1", "stop"}) {
     ASSERT_EQ(run(program_ + " ctl " + change + " --timeout 60" + network).exit_code, 0) << change;
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -211,7 +211,7 @@ TEST_F(RecordingPrograms, ASceneIsRecordedWithItsGrids) {
   EXPECT_GE(nlohmann::json::parse(plain.out)["frames"], 31) << "at 60 a second";
   const Outcome none = run(program_ + " replay " + file + " --show wind --out " + (folder_ / "no").string());
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_NE(none.err.find("holds no grids"), std::string::npos) << none.err;
+  EXPECT_NE(none.err.find("has no grids"), std::string::npos) << none.err;
 
   const Outcome with = run(record + " --set wind_grid=1 --set wind=3,0,0 --grids 10");
   ASSERT_EQ(with.exit_code, 0) << with.err;
@@ -236,7 +236,7 @@ TEST_F(RecordingPrograms, ALogOfLcmsToolsIsDrawn) {
   const std::string log = (folder_ / "session.lcm").string(),
                     url = "udpm://239.255.76.67:" + std::to_string(7667 + std::stoi(domain_)) + "?ttl=0";
   const pid_t logger = start({"/usr/bin/env", "lcm-logger", "-q", "--lcm-url=" + url, log}, "logger.txt");
-  // A small body: LCM's tools have small receive buffers, and what they miss comes but once a second.
+  // A small body: LCM's tools have small receive buffers, and lost parts are repeated only once a second.
   StrandSet strands;
   for (int i = 0; i < 40; ++i) {
     const float x = 0.0025f * static_cast<float>(i);

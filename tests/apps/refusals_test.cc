@@ -1,4 +1,4 @@
-// What the programs refuse, when, and what stays as it was. Nothing here needs a network.
+// What the programs refuse, at which point, and what is unchanged afterwards. No test here needs a network.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "groom/groom_file.h"
+#include "io/groom_file.h"
 #include "tests/apps/program_fixture.h"
 #include "transport/recording/recorder.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 class Refusals : public ProgramFixture {
  protected:
-  /// Ended after this many seconds: what should have been refused may never end.
+  /// Killed after this many seconds: a command that should be refused may never end.
   Outcome tryFor(int seconds, const std::string& command) {
     return run("timeout " + std::to_string(seconds) + " " + command);
   }
@@ -60,7 +60,7 @@ TEST_F(Refusals, ANumberThatIsEmptyIsNone) {
 }
 
 TEST_F(Refusals, ANumberBelowZeroNeedsNoWholePart) {
-  // Refused behind its numbers, and where there is no LCM, too.
+  // Accepted numbers lead to the next error: that of LCM, with or without LCM in the build.
   const std::string nowhere = " --transport lcm --lcm-url file:///absent/a.log?mode=r";
   const Outcome told = tryFor(10, program_ + " ctl wind -.5 0 -.5e1" + nowhere);
   EXPECT_EQ(told.exit_code, 2);
@@ -91,7 +91,7 @@ TEST_F(Refusals, CommandsAreCheckedBeforeADaemonIsLookedFor) {
         {"set air_drag 1 2 3", "parameter 'air_drag' takes 1 value, not 3"},
         {"collider add b spere 0 0 0 1", "did you mean 'sphere'? choose one of sphere, capsule, plane,"},
         {"collider add b tapered-capsul 0 0 0 1", "did you mean 'tapered_capsule'?"},
-        {"collider add b kone 0 0 0 1", "there is no shape 'kone'"},
+        {"collider add b kone 0 0 0 1", "unknown shape 'kone'"},
         {"collider add b box 0 0 0 1", "a box takes 6 numbers, not 4"}}) {
     const Outcome r = tryFor(10, program_ + " ctl " + words);
     EXPECT_EQ(r.exit_code, 2) << words << "\n" << r.err;
@@ -221,7 +221,7 @@ TEST_F(Refusals, ARecordingThatIsNotWholeDoesNotPassItsCheck) {
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 10);
   const Outcome cut = check(file);
   EXPECT_EQ(cut.exit_code, 1);
-  EXPECT_NE(cut.err.find("was cut"), std::string::npos) << cut.err;
+  EXPECT_NE(cut.err.find("is truncated"), std::string::npos) << cut.err;
   EXPECT_EQ(nlohmann::json::parse(cut.out)["frames_damaged"], 0);
 
   Recorder(empty, {.groom_id = 1, .codec = {}, .source = "{}"}).close();
@@ -245,7 +245,7 @@ TEST_F(Refusals, OutputThatCannotBeWrittenIsAnError) {
                                " record /dev/full --scene straight --strands 20 --backend reference "
                                "--body-contact spheres --seconds 0.1");
   EXPECT_NE(full.err.find("is the disk full?"), std::string::npos) << full.err;
-  EXPECT_EQ(full.err.find("casting"), std::string::npos) << "nothing is cast: " << full.err;
+  EXPECT_EQ(full.err.find("publishing"), std::string::npos) << "nothing is cast: " << full.err;
   for (const char* ignoring : {"", "trap \"\" PIPE; "}) {
     for (const char* words : {" info --backends", " validate physics --list"}) {
       const Outcome left = outcome(ignoring + program_ + words + " | :");

@@ -1,4 +1,4 @@
-// A show on daemons that share its groom, as real processes: whoever of them casts, readers see one show.
+// Daemons that share a groom, as real processes: readers see one continuous show, whichever daemon casts.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,13 +21,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-/// What a reader looks at for as long as a show goes on, frame by frame.
+/// A reader that checks a show frame by frame.
 class Audience {
  public:
   explicit Audience(int domain) : reader_(makeDdsSubscriber({domain, 1, 0, {}})) {}
 
   Subscriber& reader() { return *reader_; }
-  /// Takes frames until `is_over`; false where it is not within 10 s.
+  /// Receives frames until `is_over`; false after 10 s.
   bool watch(const std::function<bool()>& is_over) {
     for (const auto end = Clock::now() + std::chrono::seconds(10); Clock::now() < end;) {
       if (const auto frame = reader_->waitForFrame(newest_ ? newest_->frame : 0, milliseconds(5)))
@@ -38,7 +38,8 @@ class Audience {
     }
     return false;
   }
-  /// Until the hair hangs still in the wind: then a jump is one of the show. False where it does not.
+  /// Waits until the hair is at rest in the wind, so that any later jump comes from the show. False where it
+  /// does not come to rest.
   bool settles() {
     const auto stillFor = [&](milliseconds time) {
       forgetExtremes();
@@ -50,10 +51,10 @@ class Audience {
   }
   uint64_t session() const { return newest_ ? newest_->session : 0; }
   const GuideFrame& newest() const { return *newest_; }
-  /// From one frame to the next: the longest pause, and the farthest that a vertex went, m.
+  /// Extremes between consecutive frames: the longest pause, s, and the largest motion of a vertex, m.
   double longestPause() const { return std::chrono::duration<double>(longest_).count(); }
   double farthestJump() const { return farthest_; }
-  /// The most, s, by which the clock of one session began behind that of the one before.
+  /// The largest step back of simulation time between consecutive frames, s, e.g. at a change of session.
   double mostBack() const { return most_back_; }
   void forgetExtremes() {
     longest_ = {};
@@ -109,7 +110,7 @@ class Rehearsal : public ProgramFixture {
     return order(audience, CommandKind::kAddCollider, ball,
                  {0, 0, x, 0.1, 0.7, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0.05, 0, 0.3, 0, 0, 0, 0, 0, 0, 1});
   }
-  /// Wind, three balls of which one has moved, and a head that has moved.
+  /// Checks wind, three balls of which one has moved, and a head that has moved.
   void expectShow(Audience& audience, double third_ball) {
     const auto told = [&](const std::string& name) {
       const auto status = audience.reader().status();
@@ -133,7 +134,7 @@ class Rehearsal : public ProgramFixture {
     EXPECT_NEAR(audience.newest().head.position.x(), 0.05, 1e-5);
     EXPECT_NEAR(audience.newest().head.rotation.y(), 0.2, 1e-4);
   }
-  /// Readers see frames without a long pause, and hair, head and balls that go on where they were.
+  /// Readers see no long pause between frames, and no jump of hair, head or balls.
   void expectNoBreak(Audience& audience, const std::string& when) {
     EXPECT_LT(audience.longestPause(), 1.0) << when;
     EXPECT_LT(audience.farthestJump(), 5e-3) << when;

@@ -1,4 +1,4 @@
-// A recording cast again, over the channel within one process.
+// Replays of recordings over the in-process channel.
 #include "apps/replay.h"
 
 #include <gtest/gtest.h>
@@ -14,11 +14,11 @@
 #include "apps/channel.h"
 #include "apps/resimulation.h"
 #include "core/error.h"
-#include "groom/file_bytes.h"
-#include "groom/groom_file.h"
+#include "io/file_bytes.h"
+#include "io/groom_file.h"
 #include "tests/error_of.h"
-#include "tests/groom/scratch_folder.h"
-#include "tests/groom/skinned_arm.h"
+#include "tests/io/scratch_folder.h"
+#include "tests/io/skinned_arm.h"
 #include "tests/transport/moving_hair.h"
 #include "transport/command_queue.h"
 #include "transport/in_process.h"
@@ -137,7 +137,7 @@ TEST_F(ReplayTest, LoopsAndIsMovedByCommands) {
   finish();
 }
 
-/// s of this process.
+/// Processor time of this process, s.
 double processorTime() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 TEST_F(ReplayTest, AFrameThatIsDueInAnAgeIsWaitedForAsleep) {
@@ -148,11 +148,11 @@ TEST_F(ReplayTest, AFrameThatIsDueInAnAgeIsWaitedForAsleep) {
   EXPECT_LT(processorTime() - before, 0.25);
 }
 
-/// A channel full of commands, which ends what casts on it after three frames.
+/// A channel with an endless supply of commands, which stops its publisher after three frames.
 class FloodedChannel final : public Publisher {
  public:
   explicit FloodedChannel(std::atomic<bool>& stop) : stop_(stop) {}
-  std::vector<uint64_t> taken_before;  // per frame: commands since the start
+  std::vector<uint64_t> taken_before;  // per frame: number of commands taken since the start
   std::optional<Command> takeCommand() override {
     return Command{.id = ++taken_, .kind = CommandKind::kReset, .name = "", .values = {}};
   }
@@ -189,8 +189,8 @@ TEST_F(ReplayTest, NothingToReplayIsSaid) {
             std::string::npos);
 }
 
-/// Records so many frames of a daemon on the reference backend that was started with `words`; gives the last
-/// one's positions. `before_frame` may send commands.
+/// Records `frames` frames of a daemon on the reference backend, started with the arguments `words`; returns
+/// the last frame's positions. `before_frame` may send commands.
 std::vector<Vec3> recordRun(
     const std::filesystem::path& run, const std::vector<std::string>& words, int frames,
     const std::function<void(int frame, Subscriber&)>& before_frame = [](int, Subscriber&) {}) {
@@ -200,7 +200,7 @@ std::vector<Vec3> recordRun(
   auto [channel, subscriber] = makeInProcessChannel(1);
   RecordingPublisher publisher(std::move(channel), false);
   const Settings settings = options.resolve();
-  Daemon daemon(settings, makeSceneAloud(settings.scene), publisher, 77);
+  Daemon daemon(settings, makeSceneWithProgress(settings.scene), publisher, 77);
   publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
   daemon.announce();
   const std::atomic<bool> stop{false};
@@ -224,7 +224,7 @@ TEST_F(ReplayTest, ARunIsRepeatedWhoseFilesHaveNamesInNoUtf8) {
   EXPECT_EQ(report.different, 0u);
 }
 
-// Roots on the blended skin of a bending arm, and a ball that hangs on its forearm.
+// Roots on the skin of a bending arm, and a ball attached to its forearm.
 TEST_F(ReplayTest, ARunOnASkinnedBodyIsRepeated) {
   writeFileBytes(folder_ / "arm.glb", samples::armGlb());
   std::ofstream(folder_ / "hair.obj") << "v 0.04 0.24 0\nv 0.06 0.24 0\nv 0.08 0.24 0\nl 1 2 3\n"
@@ -242,7 +242,7 @@ TEST_F(ReplayTest, ARunOnASkinnedBodyIsRepeated) {
   EXPECT_EQ(report.different, 0u);
 }
 
-// Sources of wind of a file and of commands, on a grid and without one.
+// Wind sources from a file and from commands, with and without a wind grid.
 TEST_F(ReplayTest, ARunWhoseFansWereSteeredIsRepeated) {
   const std::filesystem::path config = folder_ / "wind.toml";
   std::ofstream(config)

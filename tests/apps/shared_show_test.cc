@@ -1,5 +1,5 @@
-// How daemons that share a groom hand the show on: two daemons in this process on a channel that hands shows
-// over as bytes.
+// Takeover between daemons that share a groom: two daemons in this process on a channel that serialises
+// shows.
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
@@ -20,7 +20,7 @@
 #include "apps/show_fingerprint.h"
 #include "tests/apps/mesh_files.h"
 #include "tests/collision/shapes.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 #include "transport/parameter_table.h"
 #include "transport/show.h"
 
@@ -29,7 +29,7 @@ namespace {
 
 class StageChannel;
 
-/// Whose turn it is among the channels of a groom.
+/// Which of a groom's channels casts.
 struct Stage {
   std::vector<StageChannel*> channels;
   StageChannel* casts = nullptr;
@@ -39,13 +39,13 @@ class StageChannel final : public Publisher {
  public:
   explicit StageChannel(Stage& stage) : stage_(stage) { stage_.channels.push_back(this); }
 
-  GuideFrame newest;             ///< that was published
-  std::deque<Command> commands;  ///< to be taken
-  std::vector<Status> told;      ///< on its own turn
-  bool joined = false;           ///< somebody has, and lacks the hair
+  GuideFrame newest;             ///< frame published last
+  std::deque<Command> commands;  ///< queue for takeCommand()
+  std::vector<Status> told;      ///< statuses published while it casts
+  bool joined = false;           ///< another daemon has joined and needs the hair
   bool claims = false;           ///< has published a frame
-  bool is_equal = false;         ///< in strength to whoever casts
-  bool tells_meshes = true;      ///< else as daemons of before
+  bool is_equal = false;         ///< its claim is as strong as that of the casting daemon
+  bool tells_meshes = true;      ///< false: as an older daemon
   std::deque<std::vector<uint8_t>> shows;
   uint64_t show_session = 0;
 
@@ -67,12 +67,12 @@ class StageChannel final : public Publisher {
   }
   uint32_t matchedReaders() const override { return 0; }
   EncodingReport encoding() const override { return {}; }
-  SharedTurn sharedTurn() const override {
-    if (stage_.casts == nullptr) return SharedTurn::kNobodys;
-    return stage_.casts == this ? SharedTurn::kOwn : SharedTurn::kAnothers;
+  CastingState castingState() const override {
+    if (stage_.casts == nullptr) return CastingState::kUnclaimed;
+    return stage_.casts == this ? CastingState::kOwn : CastingState::kOther;
   }
-  bool yields() const override { return is_equal && sharedTurn() == SharedTurn::kAnothers; }
-  void leaveTurn() override { claims = false; }
+  bool yields() const override { return is_equal && castingState() == CastingState::kOther; }
+  void withdrawClaim() override { claims = false; }
   size_t sharers() const override { return stage_.channels.size() - 1; }
   bool wantsHair() const override { return joined; }
   void publishShow(const Show& told_show) override {
@@ -130,7 +130,7 @@ class SharedShow : public ::testing::Test {
     first_->cast(1);
     stage_.casts = &first_->channel;
   }
-  /// To every daemon of the stage, as a sender's does; then a frame of the one that casts.
+  /// Sends a command to every daemon of the stage, as over a network, then casts one frame of the first.
   std::string order(CommandKind kind, std::vector<double> values, const std::string& name = "") {
     const Command command{.id = ++id_, .kind = kind, .name = name, .values = std::move(values)};
     for (StageChannel* const channel : stage_.channels) channel->commands.push_back(command);
@@ -144,7 +144,7 @@ class SharedShow : public ::testing::Test {
               {0, 0, x, 0.1, 0.7, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0.05, 0, 0.3, 0, 0, 0, 0, 0, 0, 1}, name),
         "");
   }
-  /// Another one joins, and has come to where the first one is.
+  /// A second daemon joins and catches up with the first.
   std::unique_ptr<Sharer> join(const Settings& settings = fewStrands()) {
     auto second = std::make_unique<Sharer>(stage_, settings);
     first_->channel.joined = true;
@@ -158,9 +158,9 @@ class SharedShow : public ::testing::Test {
     EXPECT_TRUE(second->channel.claims) << "it has the show";
     return second;
   }
-  /// Has the first one tell its show, which else the clock does.
+  /// Makes the first daemon publish its show, which otherwise happens by the clock.
   void tell() { EXPECT_EQ(order(CommandKind::kSetParameter, {0.3}, "body_friction_unknown").empty(), false); }
-  /// Frames of both until they are of one time.
+  /// Casts frames of both daemons until their times match.
   void meet(Sharer& second) {
     for (int i = 0; i < 40 && std::abs(second.time() - first_->time()) > 1e-6; ++i)
       (second.time() < first_->time() ? second : *first_).cast(1);
@@ -203,7 +203,7 @@ TEST_F(SharedShow, HairBodiesHeadAndWindOfOneThatJoinsAreThoseOfTheOneThatCasts)
         << i;
   EXPECT_LT((second->channel.newest.head.position - first_->channel.newest.head.position).norm(), 1e-6f);
   EXPECT_EQ(second->channel.newest.head.rotation.coeffs(), first_->channel.newest.head.rotation.coeffs());
-  // And so they stay when the clip and the ways go on.
+  // They stay equal while the clip and the motions go on.
   first_->cast(30);
   tell();
   second->cast(1);
@@ -224,7 +224,7 @@ TEST_F(SharedShow, OneThatComesBackHasWhatItMissed) {
   EXPECT_EQ(second->daemon->windSources()[0].name, "fan");
   ASSERT_EQ(second->channel.newest.colliders.size(), 2u) << "the scene's shoulders, and one";
   EXPECT_NEAR(second->channel.newest.colliders[1].pose.position.x(), 0.3f, 1e-6f);
-  // Of another shape, under the same name.
+  // Removes it and adds another shape under the same name.
   EXPECT_EQ(order(CommandKind::kRemoveCollider, {}, "new"), "");
   EXPECT_EQ(order(CommandKind::kRemoveWindSource, {}, "fan"), "");
   addBall("new", -0.3);
@@ -242,10 +242,10 @@ TEST_F(SharedShow, WhoTakesOverCarriesOutWhatWasNotAnsweredAndNothingTwice) {
       .kind = CommandKind::kAddCollider,
       .name = "late",
       .values = {0, 0, 0.5, 0.1, 0.7, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0.05, 0, 0.3, 0, 0, 0, 0, 0, 0, 1}};
-  second->channel.commands.push_back(last);  // which the one that casts never heard
+  second->channel.commands.push_back(last);  // the casting daemon did not receive it
   second->cast(1);
   EXPECT_TRUE(second->channel.told.empty()) << "a standby answers nobody";
-  stage_.casts = nullptr;  // it is gone
+  stage_.casts = nullptr;  // it has ended
   second->cast(1);
   stage_.casts = &second->channel;
   second->cast(1);
@@ -294,7 +294,7 @@ TEST_F(SharedShow, WithoutTheShowItWaits) {
   tell();
   second.cast(1);
   EXPECT_FALSE(second.channel.claims) << "without the hair";
-  stage_.casts = nullptr;  // and nobody has another one
+  stage_.casts = nullptr;  // and no other daemon casts
   second.cast(1);
   EXPECT_TRUE(second.channel.claims);
 }
@@ -317,7 +317,7 @@ TEST_F(SharedShow, OfAnEqualClaimStandsByUntilTheOtherOneIsGone) {
   EXPECT_EQ(second.channel.newest.colliders.size(), 2u) << "the scene's shoulders, and the ball";
 }
 
-/// Daemons with folders of their own, whose colliders are made of files.
+/// Daemons with collider folders of their own, and colliders from files.
 class SharedMeshes : public SharedShow {
  protected:
   void SetUp() override {
@@ -335,8 +335,8 @@ class SharedMeshes : public SharedShow {
     settings.collider_folder = folder.path();
     return settings;
   }
-  /// The one that casts makes a collider of its file, and the other one of the file that it has by that name:
-  /// what that one logs of it, or "made".
+  /// The casting daemon makes a collider from its file, and the second one from its own file of the same
+  /// name. Returns the second daemon's log message, or "made".
   std::string make(const std::string& name, const std::string& file, PrimitiveKind kind) {
     ColliderFile collider;
     collider.name = name;
@@ -375,7 +375,7 @@ TEST_F(SharedMeshes, OfOneMeshAreMadeHoweverItIsWritten) {
 
 TEST_F(SharedMeshes, OfAnotherMeshAreLackedByName) {
   TriangleMesh dented = shapes::sphere(0.04f, 2);
-  dented.positions[5] *= 0.999f;  // its grid is the same
+  dented.positions[5] *= 0.999f;  // its grid is unchanged
   writeObj(there_ / "stone.obj", dented);
   writeObj(there_ / "cube.obj", shapes::box(Vec3(0.05f, 0.03f, 0.03f)));
   const size_t before = second_->channel.newest.colliders.size();
@@ -384,7 +384,7 @@ TEST_F(SharedMeshes, OfAnotherMeshAreLackedByName) {
                                          {"c", "cube.obj", PrimitiveKind::kConvex},
                                          {"c d", "cube.obj", PrimitiveKind::kField}}) {
     const std::string told = make(name, file, kind);
-    EXPECT_NE(told.find("another mesh than that of the daemon that casts"), std::string::npos) << told;
+    EXPECT_NE(told.find("mesh differs from the publishing daemon's"), std::string::npos) << told;
     EXPECT_NE(told.find(std::string("collider ") + name + " of the show"), std::string::npos) << told;
     tell();
     second_->cast(1);
@@ -392,7 +392,7 @@ TEST_F(SharedMeshes, OfAnotherMeshAreLackedByName) {
   }
   for (const char* const name : {"a", "b", "c", "c d"})
     EXPECT_EQ(order(CommandKind::kRemoveCollider, {}, name), "");
-  second_->cast(1);  // to where the other one is by now
+  second_->cast(1);  // catches up with the time of the first daemon
   tell();
   second_->cast(1);
   EXPECT_TRUE(second_->channel.claims) << "it lacks nothing now";

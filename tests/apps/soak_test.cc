@@ -1,5 +1,5 @@
-// Daemons at work while readers come, go and are killed: the memory of those that stay is flat. A few seconds
-// here; STRANDCAST_SOAK_SECONDS makes it long.
+// Daemons at work while readers join, leave and are killed: the memory of persistent processes must not grow.
+// A few seconds by default; STRANDCAST_SOAK_SECONDS sets the duration.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -23,10 +23,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kSampleEvery = 0.5, kVisitorEvery = 3, kCommandEvery = 10;  // s
-/// What arenas of malloc and the tables of the networks grow to is theirs soon after the start.
+/// Fraction of the run after which malloc arenas and the networks' tables have reached their final size.
 constexpr double kWarmUpPart = 0.4;
 constexpr int kStops = 4;
-constexpr double kLongRun = 600;  // s, that tell a slope from noise
+constexpr double kLongRun = 600;  // s, long enough to separate a slope from noise
 constexpr double kMostKbPerMinute = 30;
 constexpr double kMostShortGrowth = 4096;  // kB
 
@@ -35,7 +35,7 @@ double soakSeconds() {
   return text != nullptr ? std::atof(text) : 16;
 }
 
-/// kB of memory of its own that a process occupies; 0 when it is gone.
+/// Anonymous resident memory of a process, kB (RssAnon); 0 when it has ended.
 double residentKb(pid_t process) {
   std::ifstream status("/proc/" + std::to_string(process) + "/status");
   for (std::string word; status >> word;) {
@@ -57,7 +57,7 @@ double slopeOf(const std::vector<Sample>& samples) {
   return (n * tm - t * m) / (n * tt - t * t);
 }
 
-/// A process that stays to the end.
+/// A process that runs to the end.
 struct Resident {
   std::string name;
   std::unique_ptr<Peer> process;
@@ -70,7 +70,7 @@ struct Resident {
 };
 
 struct Network {
-  std::string name, read;  // of transport_peer
+  std::string name, read;  // verb of transport_peer
   int domain = 0;
 };
 
@@ -88,7 +88,7 @@ TEST(Soak, MemoryOfDaemonsAndReadersStaysFlat) {
   std::vector<Resident> residents;
   for (const Network& network : all) {
     const std::string domain = std::to_string(network.domain);
-    // Over LCM, which repairs nothing, no codec that builds on frames before.
+    // LCM repairs no losses: no codec with delta frames.
     std::vector<std::string> daemon = {
         "--scene",    "wavy",     "--strands", "200",     "--vertices",
         "16",         "--motion", "turn",      "--quiet", "--transport",
@@ -98,7 +98,7 @@ TEST(Soak, MemoryOfDaemonsAndReadersStaysFlat) {
   }
   const double stop_seconds = seconds >= kLongRun ? 5 : 0.5;
   for (const Network& network : all) {
-    // A busy machine takes its time over a scene.
+    // Making a scene may take long on a busy machine.
     const DdsOptions dds{network.domain, 1, 0, {}};
     const auto listener = network.name == "dds" ? makeDdsSubscriber(dds)
                                                 : makeLcmSubscriber({lcmUrl(network.domain), 1, 0, {}});
@@ -115,7 +115,7 @@ TEST(Soak, MemoryOfDaemonsAndReadersStaysFlat) {
       ASSERT_TRUE(resident.process->waitFor("first_frame")) << resident.process->text();
     }
   }
-  // A queue of LCM keeps the memory of its longest wait: it is to have been long before memory is looked at.
+  // An LCM queue keeps the memory of its longest backlog, so a backlog is provoked before memory is sampled.
   for (int stop = 0; stop < kStops; ++stop) {
     for (const Resident& resident : residents) {
       if (resident.name.ends_with("reader")) kill(resident.process->pid(), SIGSTOP);
@@ -132,7 +132,7 @@ TEST(Soak, MemoryOfDaemonsAndReadersStaysFlat) {
     for (Resident& resident : residents) resident.sample(now, seconds);
     if (now >= visitor_due) {
       visitor_due += kVisitorEvery;
-      // Every other wave has gone by now; the others are killed in their midst.
+      // Every other wave has ended by now; the others are killed while they run.
       if (waves % 2 == 0) {
         for (auto& visitor : visiting) visitor->kill(), ++killed;
       }

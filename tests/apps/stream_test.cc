@@ -1,4 +1,4 @@
-// What programs that draw or record a stream rely on.
+// Functions that programs which draw or record a stream rely on.
 #include <csignal>
 
 #include "apps/answer_wait.h"
@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "tests/apps/daemon_fixture.h"
 #include "tests/error_of.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 #include "tests/transport/true_within.h"
 #include "transport/lcm.h"
 #include "transport/parameter_table.h"
@@ -69,7 +69,7 @@ TEST(ClaimGroom, NobodyElseIsListenedForInALog) {
 
 TEST(AnswerWait, LastsAsLongAsStepsAreTakenAndNoLonger) {
   using std::chrono::milliseconds;
-  const auto steps_until_over = [](double asked, double between) {  // s of which it waits 0.3
+  const auto steps_until_over = [](double asked, double between) {  // s, of which it waits 0.3
     AnswerWait wait(0.3, asked);
     Status status;
     status.parameters = parameterTable(Parameters{});

@@ -1,5 +1,4 @@
-// The window as a user has it: a daemon, the viewer on a virtual display, and mouse and keys that come as
-// events.
+// The window as a user sees it: a daemon, the viewer on a virtual display, and mouse and key events.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +13,7 @@
 #include <vector>
 
 #include "apps/presets.h"
-#include "render/image.h"
+#include "io/image.h"
 #include "tests/apps/program_fixture.h"
 #include "tests/transport/dds_domain.h"
 #include "transport/recording/recording.h"
@@ -35,7 +34,7 @@ class ViewerWindowTest : public ProgramFixture {
     for (const char* program : {"Xvfb", "xdotool"})
       if (!isInstalled(program)) GTEST_SKIP() << program << " is not installed";
     ProgramFixture::SetUp();
-    // A display that nobody has; Xvfb says which by writing its number.
+    // Starts Xvfb on a free display, whose number it writes to a file.
     const auto number = folder_ / "display";
     start({"sh", "-c", "exec Xvfb -displayfd 1 -noreset -screen 0 1000x700x24 2>/dev/null"}, "display");
     ASSERT_TRUE(until(seconds(20), [&] {
@@ -57,17 +56,17 @@ class ViewerWindowTest : public ProgramFixture {
     }
     return true;
   }
-  /// Events, and time for a few pictures.
+  /// Sends events, then waits for a few pictures.
   static void input(const std::string& words) {
     EXPECT_EQ(std::system(("xdotool " + words).c_str()), 0) << words;
     std::this_thread::sleep_for(milliseconds(900));
   }
-  /// Held for a few pictures.
+  /// Holds a key for a few pictures.
   static void press(const std::string& key) {
     input("keydown " + key);
     input("keyup " + key);
   }
-  /// Presses, drags in steps and lets go, in the window's pixels.
+  /// Presses, drags in steps and releases; window pixels.
   static void drag(int x, int y, int to_x, int to_y) {
     input("mousemove " + std::to_string(x) + " " + std::to_string(y));
     input("mousedown 1");
@@ -78,7 +77,7 @@ class ViewerWindowTest : public ProgramFixture {
   }
 };
 
-/// What a daemon's recording has of commands, by kind.
+/// The commands in a daemon's recording, by kind.
 std::map<CommandKind, std::vector<Command>> commandsOf(const std::filesystem::path& file) {
   std::map<CommandKind, std::vector<Command>> found;
   Recording recording(file);
@@ -90,7 +89,7 @@ std::map<CommandKind, std::vector<Command>> commandsOf(const std::filesystem::pa
   return found;
 }
 
-// The panel is 420 pixels wide; the picture is beside it, the head in its middle.
+// The panel is 420 pixels wide; the picture is beside it, with the head in its middle.
 constexpr int kPanel = 420, kHairX = kPanel + 122, kHairY = 190;
 
 TEST_F(ViewerWindowTest, MouseAndKeysReachTheDaemonAndTheDisk) {
@@ -122,7 +121,7 @@ TEST_F(ViewerWindowTest, MouseAndKeysReachTheDaemonAndTheDisk) {
   EXPECT_NE(readPng(folder_ / "strandcast_0001.png").rgb, before.rgb);
   drag(690, 100, 600, 100);  // and back
 
-  // The panel: find a parameter, type a value.
+  // In the panel: finds a parameter and types a value.
   input("mousemove 200 155 click 1");
   input("type air_drag");
   input("mousemove 235 203 keydown ctrl");
@@ -201,12 +200,13 @@ TEST_F(ViewerWindowTest, PresetsAreSavedAndLoadedAndAnotherDaemonIsJoined) {
       if (name == "air_drag") return values.at(0);
     return -1.0;
   };
-  // The panel with its first group closed: a header every 24 pixels, the presets' buttons below theirs.
+  // The panel with its first group closed: headers are 24 pixels apart, and the presets' buttons are below
+  // their header.
   const std::string presets = "mousemove 150 419 click 1", save = "mousemove 30 470 click 1",
                     load = "mousemove 82 470 click 1";
   input("mousemove 150 179 click 1");
   input(presets);
-  input("mousemove 700 60 click 1");  // a way that ends in a click turns nothing
+  input("mousemove 700 60 click 1");  // a motion that ends in a click must not orbit
   input(save);
   ASSERT_TRUE(until(seconds(10), [&] { return std::filesystem::exists(file); }));
   EXPECT_EQ(saved().azimuth, 25);

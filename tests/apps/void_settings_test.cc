@@ -1,4 +1,4 @@
-// Settings that others make void, as options and in files.
+// Settings that others make void, given by options and by files.
 #include "apps/void_settings.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "tests/error_of.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 
 namespace strandcast {
 namespace {
@@ -19,7 +19,7 @@ class VoidSettings : public ::testing::Test {
   void SetUp() override { spdlog::set_level(spdlog::level::off); }
   void TearDown() override { spdlog::set_level(spdlog::level::info); }
 
-  /// With this text as --config, if any, and these options.
+  /// Resolves this text as --config, if any, and these options.
   Settings resolved(const std::string& options, const std::string& config = "",
                     SettingsUse use = SettingsUse::kServe) {
     CLI::App app;
@@ -49,16 +49,16 @@ class VoidSettings : public ::testing::Test {
 };
 
 TEST_F(VoidSettings, ThatContradictEachOtherAreRefusedWithTheirPlace) {
-  EXPECT_EQ(
-      refused("", "scene = \"curly\"\n[groom]\nfiles = \"a.tfx\"\n"),
-      "a procedural scene and a groom are two things to simulate: hair.toml line 1, scene; leave one of "
-      "them out");
+  EXPECT_EQ(refused("", "scene = \"curly\"\n[groom]\nfiles = \"a.tfx\"\n"),
+            "a procedural scene and a groom cannot be simulated together: hair.toml line 1, scene; leave one "
+            "of them out");
   EXPECT_EQ(
       refused("", "[groom]\nunit_meters = 0.01\n"),
       "procedural hair is in metres: hair.toml line 2, groom.unit_meters; leave it out, or give a --groom");
   for (const auto& [options, told] :
        {std::pair{"--groom a.tfx --length 0.2", "--length"},
-        std::pair{"--unit-meters 0.01", "procedural hair is in metres"}, std::pair{"--up z", "Y is up"},
+        std::pair{"--unit-meters 0.01", "procedural hair is in metres"},
+        std::pair{"--up z", "procedural hair has Y up"},
         std::pair{"--groom a.tfx --body-cell 0.01", "there is no body"},
         std::pair{"--groom a.tfx --body b.obj --body-contact spheres --body-cell 0.01",
                   "spheres have no cells"},
@@ -66,9 +66,9 @@ TEST_F(VoidSettings, ThatContradictEachOtherAreRefusedWithTheirPlace) {
         std::pair{"--codec tangent --zstd", "zstd is for"},
         std::pair{"--codec oct12 --key-interval 5", "only the temporal codec"},
         std::pair{"--lcm-url udpm://239.255.76.67:7667", "--transport lcm"},
-        std::pair{"--transport lcm --lcm-url udpm://239.255.76.67:7667 --domain 3", "says the port"},
+        std::pair{"--transport lcm --lcm-url udpm://239.255.76.67:7667 --domain 3", "gives the port"},
         std::pair{"--transport lcm --profile secure", "LCM has no security"},
-        std::pair{"--transport lcm --peers 10.0.0.1", "LCM looks for nobody"},
+        std::pair{"--transport lcm --peers 10.0.0.1", "LCM has no discovery"},
         std::pair{"--keys KEYS", "give --profile secure too"},
         std::pair{"--set air_drag=1 --set air_drag=2", "set twice"},
         std::pair{"--material all:radius=4e-5,radius=5e-5", "set twice"}}) {
@@ -97,14 +97,15 @@ TEST_F(VoidSettings, ThatOthersLeaveSomethingToDoAreTaken) {
 
 TEST_F(VoidSettings, ThatDoNothingAreToldOf) {
   EXPECT_TRUE(
-      isTold("--material all:tether=1.1 is not used: the rod keeps its length", "--material all:tether=1.1"));
+      isTold("--material all:tether=1.1 is not used: the rod is inextensible", "--material all:tether=1.1"));
   EXPECT_TRUE(isTold("line 2, material.tether is not used", "", "[[material]]\ntether = 1.1\n"));
   EXPECT_TRUE(isTold("only the rod", "--solver gauss_seidel --sag-free"));
   EXPECT_TRUE(isTold("has no elasticity", "--solver gauss_seidel --material all:youngs_modulus=3e9"));
-  EXPECT_TRUE(isTold("nothing of groom files is random", "--groom a.tfx --seed 3"));
-  EXPECT_TRUE(isTold("cast twice", "--rate 120"));
+  EXPECT_TRUE(isTold("groom files use no random numbers", "--groom a.tfx --seed 3"));
+  EXPECT_TRUE(isTold("published twice", "--rate 120"));
   EXPECT_TRUE(isTold("consists of shapes", "--body-contact spheres"));
-  EXPECT_TRUE(isTold("--set shape_rate=7 is not used: it is of --solver gauss_seidel", "--set shape_rate=7"));
+  EXPECT_TRUE(
+      isTold("--set shape_rate=7 is not used: only --solver gauss_seidel uses it", "--set shape_rate=7"));
   EXPECT_TRUE(isTold("it needs wind_grid=1", "--set mac_cormack=1"));
   EXPECT_TRUE(isTold("it needs a wind", "--set gust=1"));
   EXPECT_TRUE(isTold("line 2, parameters.volume_hold is not used", "", "[parameters]\nvolume_hold = 2\n"));
@@ -124,7 +125,7 @@ TEST_F(VoidSettings, OfAFileGiveWayToOptions) {
   const Settings grown = resolved("--scene curly", groom);
   EXPECT_TRUE(grown.scene.groom.empty());
   ASSERT_EQ(grown.notes.size(), 2u);
-  EXPECT_NE(grown.notes[0].find("hair.toml line 2, groom.files gives way to --scene"), std::string::npos)
+  EXPECT_NE(grown.notes[0].find("hair.toml line 2, groom.files is overridden by --scene"), std::string::npos)
       << grown.notes[0];
   const std::string exact = "[transport]\ncodec_error_mm = 0.05\n";
   EXPECT_TRUE(isTold("line 2, transport.codec_error_mm is not used", "--codec float32", exact));
@@ -145,7 +146,7 @@ TEST(VoidParameters, AreExplained) {
   EXPECT_EQ(whyVoid(parameters, "mac_cormack"), "");
   EXPECT_EQ(whyVoid(parameters, "damping_time"), "");
   parameters.solver = SolverKind::kGaussSeidel;
-  EXPECT_EQ(whyVoid(parameters, "damping_time"), "it is of --solver rod");
+  EXPECT_EQ(whyVoid(parameters, "damping_time"), "only --solver rod uses it");
   EXPECT_EQ(whyVoid(parameters, "iterations"), "");
   EXPECT_EQ(needOf("mac_cormack"), "it needs wind_grid=1") << "whatever the others are";
   EXPECT_EQ(needOf("gravity"), "");

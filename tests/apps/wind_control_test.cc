@@ -1,4 +1,4 @@
-// A daemon's sources of wind, over the channel within one process.
+// A daemon's wind sources, over the in-process channel.
 #include "apps/wind_control.h"
 #include "air/air_fields.h"
 #include "apps/command_limits.h"
@@ -27,7 +27,7 @@ class DaemonWind : public DaemonFixture {
     return order(CommandKind::kMoveWindSource, windMoveValues(to, parts, seconds), name);
   }
   std::string remove(const std::string& name) { return order(CommandKind::kRemoveWindSource, {}, name); }
-  /// Of all vertices, m.
+  /// Mean x of all vertices, m.
   float meanX() const {
     Vec3 sum = Vec3::Zero();
     for (const Vec3& p : subscriber_->frame()->positions) sum += p;
@@ -35,7 +35,7 @@ class DaemonWind : public DaemonFixture {
   }
   WindSource source(size_t i) const { return daemon_->windSources().at(i).source; }
 
-  Simulation* simulation_ = nullptr;  ///< after the first frame
+  Simulation* simulation_ = nullptr;  ///< set after the first frame
 };
 
 TEST_F(DaemonWind, BlowsWhereItIsToldToAndStopsWhenItIsRemoved) {
@@ -52,7 +52,7 @@ TEST_F(DaemonWind, BlowsWhereItIsToldToAndStopsWhenItIsRemoved) {
   EXPECT_EQ(remove("spot"), "");
   cast(180);
   EXPECT_NEAR(meanX(), still, 0.003f);
-  EXPECT_NE(remove("spot").find("there is no source of wind 'spot'"), std::string::npos);
+  EXPECT_NE(remove("spot").find("unknown source of wind 'spot'"), std::string::npos);
 }
 
 TEST_F(DaemonWind, OnAGridMovesTheAir) {
@@ -61,7 +61,7 @@ TEST_F(DaemonWind, OnAGridMovesTheAir) {
   begin(settings);
   cast(1);
   const auto windX = [&] {
-    const AirFields* const air = airFields(simulation_->surroundings());
+    const AirFields* const air = airFields(simulation_->externalForces());
     return air->at(Vec3(air->box().center()) + Vec3(0, 0, 0.2f)).wind.x();
   };
   EXPECT_LT(std::fabs(windX()), 1e-3f);
@@ -84,7 +84,7 @@ TEST_F(DaemonWind, GoesSmoothlyAndItsOtherPartsGoOn) {
   EXPECT_NEAR(source(0).direction.normalized().x(), std::sqrt(0.5f), 0.05f) << "it turns evenly";
   EXPECT_NEAR(source(0).direction.normalized().z(), std::sqrt(0.5f), 0.05f);
   to.speed = 9;
-  const WindSourceParts speed = 32;  // as docs/wire.md has it
+  const WindSourceParts speed = 32;  // by docs/wire.md
   EXPECT_EQ(move("spot", to, speed, 0), "");
   EXPECT_EQ(source(0).speed, 9);
   EXPECT_LT(source(0).position.z(), 0.6f);
@@ -113,7 +113,7 @@ TEST_F(DaemonWind, OfAConfigurationFileIsSteeredByItsName) {
 TEST_F(DaemonWind, ThatDoesNotFitIsRefusedAndChangesNothing) {
   const WindSource fan = wideFan(3);
   EXPECT_EQ(add("spot", fan), "");
-  EXPECT_NE(add("spot", fan).find("name of its own"), std::string::npos);
+  EXPECT_NE(add("spot", fan).find("unique name"), std::string::npos);
   EXPECT_NE(add("", fan).find("no name"), std::string::npos);
   EXPECT_NE(add("two words", fan).find("no name"), std::string::npos);
   WindSource fast = fan, far = fan, flat = fan, still = fan;

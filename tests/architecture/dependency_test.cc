@@ -1,4 +1,5 @@
-// Reads every source of the project and fails where one includes against the direction of dependencies.
+// Reads every source file of the project and fails where an #include violates the dependency direction of
+// docs/architecture.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace {
 
 using Folders = std::set<std::string>;
 
-// What each folder may include, besides itself.
+// Folders that each folder may include besides itself.
 const std::map<std::string, Folders> kAllowed = {
     {"kernels", {}},
     {"core", {"kernels"}},
@@ -25,20 +26,21 @@ const std::map<std::string, Folders> kAllowed = {
     {"air", {"core", "kernels"}},
     {"gpu_compute", {"core", "kernels", "gl", "air"}},
     {"collision", {"core", "kernels"}},
-    {"groom", {"core", "kernels"}},
-    {"scenes", {"core", "kernels", "collision", "groom"}},
+    {"io", {"core", "kernels"}},
+    {"groom", {"core", "kernels", "io"}},
+    {"scenes", {"core", "kernels", "collision", "io", "groom"}},
     {"validation", {"core", "kernels", "air", "collision"}},
     {"transport", {"core", "kernels"}},
-    {"render", {"core", "kernels", "groom", "transport", "gl"}},
+    {"render", {"core", "kernels", "io", "groom", "transport", "gl"}},
     {"examples", {"core", "kernels", "transport"}},
 };
 const Folders kAnything = {"apps", "bench", "tests"};
 
-// Headers of a library that stay in the folders named.
+// A library whose headers only the named folders may include.
 struct Confined {
-  Folders headers;  ///< the first part of their paths
+  Folders headers;  ///< first component of the include path
   std::string what;
-  Folders folders;  ///< paths from the root
+  Folders folders;  ///< relative to the project root
 };
 const std::vector<Confined> kConfined = {
     {{"fcl"}, "FCL", {"collision"}},
@@ -51,7 +53,7 @@ const std::vector<Confined> kConfined = {
 
 std::string folderOf(const std::string& path) { return path.substr(0, path.find('/')); }
 
-// The path that a line includes, with its opening quote or bracket before it; empty when it includes none.
+// Path of the line's #include directive, preceded by its opening quote or bracket. Empty without a directive.
 std::string included(const std::string& line) {
   size_t at = line.find_first_not_of(" \t");
   if (at == std::string::npos || line[at] != '#') return "";
@@ -68,7 +70,7 @@ bool isIn(const std::string& path, const Folders& folders) {
                      [&](const std::string& folder) { return path.rfind(folder + "/", 0) == 0; });
 }
 
-// What is wrong with the file `path` (from the project's root), one line each.
+// Violations of the rules in the file `path` (relative to the project root), one message each.
 std::vector<std::string> violations(const std::string& path, const std::string& text) {
   const std::string folder = folderOf(path);
   const bool free = kAnything.count(folder) > 0;
@@ -136,7 +138,7 @@ TEST(Dependencies, EveryFolderWithSourcesHasARule) {
   }
 }
 
-// The classes that a header defines, each with its namespace before it.
+// Qualified names of the classes that a header defines.
 std::vector<std::string> classesOf(const std::string& text) {
   const std::regex space("namespace ([\\w:]+) \\{.*"),
       definition("(?:class|struct) (?:alignas\\(\\w+\\) )?(\\w+)[^;]*");
@@ -152,7 +154,8 @@ std::vector<std::string> classesOf(const std::string& text) {
   return found;
 }
 
-// Linkers take two for one, silently.
+// Two classes of one name violate the one-definition rule; linkers merge their functions without a
+// diagnostic.
 TEST(Dependencies, NoTwoHeadersDefineAClassOfOneName) {
   const fs::path root = STRANDCAST_SOURCE_DIR;
   std::map<std::string, std::string> header_of;
@@ -174,8 +177,8 @@ TEST(Dependencies, NoTwoHeadersDefineAClassOfOneName) {
             std::vector<std::string>{"a::b::D"});
 }
 
-// What devices and libraries do differently (docs/devices-and-libraries.md): a word that begins like this,
-// and why no source has it.
+// Words that no source may contain, and why: features that devices and libraries implement differently
+// (docs/devices-and-libraries.md). A word matches by its beginning.
 const std::vector<std::pair<std::string, std::string>> kDifferent = {
     {"intBitsToFloat(", "a whole number kept as bits of a float may be flushed: small ones are denormals"},
     {"GL_EXT_shader_atomic_float", "sums of floats by atomics differ from run to run"},
@@ -191,7 +194,7 @@ const std::vector<std::pair<std::string, std::string>> kDifferent = {
     {"KEEP_ALL_HISTORY_QOS", "a slow reader would hold its writer up"},
 };
 
-// Whether code, comments aside, has a word that begins like this.
+// Whether the code outside of comments has a word that begins with `word`.
 bool hasWord(const std::string& text, const std::string& word) {
   for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
     const bool begins =
@@ -225,7 +228,7 @@ TEST(Sources, UseNothingThatDevicesAndLibrariesDoDifferently) {
   EXPECT_EQ(differences("float f = uintBitsToFloat(n);  // not intBitsToFloat(n)\n").size(), 0u);
 }
 
-// The test of the test.
+// Tests violations() itself.
 TEST(Dependencies, AViolationIsCaught) {
   auto count = [](const std::string& path, const std::string& text) { return violations(path, text).size(); };
   EXPECT_EQ(count("core/a.cc", "#include \"core/b.h\"\n#include \"kernels/c.h\"\n#include <vector>\n"), 0u);

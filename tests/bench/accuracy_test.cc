@@ -1,4 +1,4 @@
-// strandbench accuracy as a user runs it, on a few settings.
+// strandbench accuracy as a user runs it, with a few settings.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -8,7 +8,7 @@
 
 namespace strandcast {
 
-/// What strandbench prints on standard output, called with these arguments, and how it ended.
+/// Standard output and exit status of strandbench with these arguments.
 struct BenchOutput {
   std::string text;
   int status = -1;
@@ -24,7 +24,7 @@ inline BenchOutput runBench(const std::string& arguments) {
   out.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return out;
 }
-/// The same with --json; null where it did not end well.
+/// The output with --json, parsed; null where the program failed.
 inline nlohmann::json benchJson(const std::string& arguments) {
   const BenchOutput out = runBench(arguments + " --json");
   return out.status == 0 ? nlohmann::json::parse(out.text, nullptr, false) : nlohmann::json();

@@ -1,4 +1,4 @@
-// strandbench end-to-end and wire as a user runs them, on little hair.
+// strandbench end-to-end and wire as a user runs them, with little hair.
 #include <gtest/gtest.h>
 
 #include "bench/table.h"

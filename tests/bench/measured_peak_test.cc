@@ -1,4 +1,4 @@
-// The peak that benchmarks hold the solver against, against the clock of the machine.
+// The peak that benchmarks compare the solver with, against the clock rate of the machine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 namespace strandcast {
 namespace {
 
-/// Cycles per second, by additions that wait for one another: one a cycle on every processor with vectors. In
-/// this program's own time and in short pieces, since other programs run beside a test.
+/// Clock rate, Hz, by dependent additions: one per cycle on every CPU with vector units. In processor time
+/// and in short pieces, because other programs run beside the test.
 double cyclesPerSecond() {
   constexpr long kRounds = 2'000'000;
   double best = 0;
@@ -24,7 +24,7 @@ double cyclesPerSecond() {
     asm volatile("" : "+r"(one));
     const double before = processorMs();
     for (long round = 0; round < kRounds; ++round) {
-      // The compiler is not to know what comes out.
+      // Prevents the compiler from evaluating the sum.
 #define ADDITION \
   sum += one;    \
   asm volatile("" : "+r"(sum))
@@ -43,7 +43,7 @@ double cyclesPerSecond() {
   return best;
 }
 
-/// Bytes per second, read and written, of copies in the first cache, in this program's own time.
+/// Bytes per second, read and written, of copies within the L1 cache, in processor time.
 double copiedInCache() {
   constexpr int kRounds = 20'000;
   std::array<char, 8192> from{}, to{};
@@ -60,8 +60,8 @@ double copiedInCache() {
   return best;
 }
 
-// Processors have two units for fused multiply-adds of their widest vectors, or one. What counts more has
-// counted what the compiler left out; then no fraction of it means anything.
+// CPUs have one or two units for fused multiply-adds of their widest vectors. A higher rate means that the
+// compiler removed operations, so fractions of the peak would be meaningless.
 TEST(MeasuredPeak, IsWhatOneOrTwoUnitsCanDo) {
   const double per_cycle = 2.0 * simd::runnableTargets().front().kernel.lanes * cyclesPerSecond();
   EXPECT_LT(measuredPeakOfProcessor(), 2.2 * per_cycle);
@@ -69,8 +69,8 @@ TEST(MeasuredPeak, IsWhatOneOrTwoUnitsCanDo) {
   EXPECT_GT(measuredPeakOfProcessor(), 0.4 * per_cycle);
 }
 
-// A copy that the compiler left out, or one that stayed in a cache, would be faster. Others may be at memory
-// too.
+// A copy that the compiler removed, or one within a cache, would be faster. Other programs may use the memory
+// meanwhile.
 TEST(MeasuredCopy, IsWhatMemoryGivesAndNotACache) {
   const double in_cache = copiedInCache();
   EXPECT_LT(measuredCopy(1), 0.7 * in_cache);

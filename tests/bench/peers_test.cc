@@ -1,4 +1,4 @@
-// strandbench peers as a user runs it, and what is concluded from its rows.
+// strandbench peers as a user runs it, and the conclusions from its rows.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -30,7 +30,7 @@ TEST(PeerRatio, IsOfTheCheapestThatStretchesNoMore) {
 TEST(PeerRatio, SaysWhereNoSettingStretchesAsLittle) {
   std::vector<nlohmann::json> rows{row("rod", 4, 10, 1e-6), row("bullet", 1, 100, 1e-1),
                                    row("bullet", 4, 700, 1e-4)};
-  rows.push_back({{"solver", "bullet"}, {"substeps", 1}, {"ns_per_vertex_frame", 1}});  // flew apart
+  rows.push_back({{"solver", "bullet"}, {"substeps", 1}, {"ns_per_vertex_frame", 1}});  // diverged
   const auto ratio = bulletOverRod(rows, 4);
   ASSERT_TRUE(ratio);
   EXPECT_FALSE(ratio->reached);

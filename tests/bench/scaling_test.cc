@@ -20,7 +20,7 @@ TEST(PowerLaw, IsFoundExactly) {
   EXPECT_NEAR(law.standard_error, 0, 1e-6);
 }
 
-// By hand: deviations of log y from the line of exponent 1 are +d, -d, -d, +d at log x = 0, 1, 2, 3.
+// Analytic case: deviations of log y from the line of exponent 1 are +d, -d, -d, +d at log x = 0, 1, 2, 3.
 TEST(PowerLaw, StatesHowFarOffThePointsAre) {
   const double d = 0.1;
   std::vector<std::pair<double, double>> points;
@@ -43,7 +43,7 @@ TEST(Scaling, CostGrowsAndMemoryPerVertexDoesNot) {
   ASSERT_TRUE(report.is_object());
   ASSERT_EQ(report["fits"].size(), 3u);
   for (const nlohmann::json& fit : report["fits"]) {
-    // Processor time: what else the machine does is not in it.
+    // Fitted to processor time, which excludes other load on the machine.
     EXPECT_GT(fit["exponent"], 0.6) << fit;
     EXPECT_LT(fit["exponent"], 1.6) << fit;
   }

@@ -1,4 +1,4 @@
-// strandbench step, grid and contact as a user runs them, on little hair.
+// strandbench step, grid and contact as a user runs them, with little hair.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -33,7 +33,7 @@ void expectRun(const nlohmann::json& run) {
   EXPECT_EQ(run["state_hash"].get<std::string>().size(), 16u);
 }
 
-/// What the machine's limits are, and that the fractions are of them; `ms` is the key of the time.
+/// Checks the machine's limits and the fractions of them; `ms` is the key of the time.
 void expectLimits(const nlohmann::json& run, const char* ms) {
   const auto of = [&](const char* key) { return run[key].is_number() ? run[key].get<double>() : -1; };
   const double vertices = of("strands") * of("vertices"), seconds = 1e-3 * of(ms);
@@ -74,7 +74,7 @@ TEST(StepBench, GaussSeidelHasIterationsAndNoInternalDamping) {
   EXPECT_FALSE(report.contains("operations")) << "they are to be asked for";
 }
 
-/// Operations of a part of a step, per vertex and substep; 0 where it has none.
+/// Operations of a part of a step, per vertex and substep; 0 where the step lacks it.
 double operationsOf(const nlohmann::json& report, const char* part) {
   for (const nlohmann::json& row : report["operations"])
     if (row["part"] == part) return row["per_vertex_substep"];
@@ -94,7 +94,7 @@ TEST(StepBench, OperationsArePartedAndAddUp) {
     for (const char* part : {"predict", "bend", "move", "velocities"})
       EXPECT_GT(operationsOf(report, part), 0) << part;
   }
-  // What a part does is not counted as another's.
+  // Operations of one part are not counted in another.
   EXPECT_EQ(operationsOf(free, "contact"), 0) << "there is no body";
   EXPECT_GT(operationsOf(touching, "contact"), 0);
   for (const char* part : {"predict", "twist"})
@@ -115,7 +115,7 @@ TEST(StepBench, AGpuIsHeldAgainstItsOwnLimits) {
   expectLimits(run, run["gpu_ms"].is_null() ? "ms_median" : "gpu_ms");
 }
 
-// What a row's hair is made of, so that rows of one run tell its price.
+// Each kind of hair has a row, so that rows of one run show its cost.
 TEST(StepBench, EveryKindOfHairIsARowOfItsOwn) {
   const nlohmann::json report = benchJson(
       "step --backend simd --threads 1 --strands 60 --vertices 12 --steps 4 --hair "
@@ -132,7 +132,8 @@ TEST(StepBench, EveryKindOfHairIsARowOfItsOwn) {
   EXPECT_EQ(report["results"][1]["damping_s"], 0);
   EXPECT_GT(report["results"][0]["damping_s"], 0);
   const auto bytes = [&](int row) { return report["results"][row]["bytes_per_vertex"].get<double>(); };
-  // Three numbers of a vertex, of which plain hair has three rows for its twelve.
+  // Mass data: three numbers per vertex. Plain hair of 12 vertices stores three rows of them, tapered hair
+  // twelve.
   EXPECT_NEAR(bytes(2), bytes(0) + 3 * sizeof(float) * 9 / 12, 1) << "of a taper they differ";
   EXPECT_NEAR(bytes(3), bytes(2), 1) << "uneven edges take no more";
   EXPECT_GT(bytes(4), bytes(0) + 20) << "curves of factors do";
@@ -164,7 +165,7 @@ TEST(StepBench, AForcedInstructionSetIsTheOneThatRuns) {
   EXPECT_EQ(runBench("step --backend reference --target AVX2 2>/dev/null").status, 2);
 }
 
-// All that a simulation takes, on the heap and in buffers of the GPU; of the goal of docs/performance.md.
+// Memory on the heap and in GPU buffers, against the goal of docs/performance.md.
 TEST(StepBench, AVertexTakesNoMoreMemoryThanItNeeds) {
   auto bytes = [&](const std::string& backend) {
     const nlohmann::json report =
@@ -174,12 +175,11 @@ TEST(StepBench, AVertexTakesNoMoreMemoryThanItNeeds) {
   EXPECT_LE(bytes("simd --threads 1"), 155) << "each thread has room of its own";
   EXPECT_LE(bytes("reference"), 156);
   if (!gpuBackendInfo().available || !thorough()) return;
-  bytes("gpu");  // llvmpipe keeps 23 bytes a vertex more where it compiles and does not find it in its disk
-                 // cache
+  bytes("gpu");  // fills llvmpipe's disk cache; compiling takes 23 bytes per vertex more
   EXPECT_LE(bytes("gpu"), 160) << "some of it is the driver's";
 }
 
-// Nor do the measured passes of the air: their marks have room.
+// The timers of the air's passes have preallocated memory.
 TEST(StepBench, AGpuStepInAirAllocatesNothing) {
   if (!gpuBackendInfo().available) GTEST_SKIP() << "there is no OpenGL 4.5";
   const nlohmann::json report =
@@ -207,7 +207,7 @@ TEST(GridBench, SaysWhatItsStepsComputed) {
   EXPECT_TRUE(passes.contains("all") && passes.contains("project")) << report["results"][0]["passes"];
 }
 
-/// What grid computed in steps without its grids.
+/// State hash of the steps that `grid` takes without grids.
 std::string gridHash(const std::string& options) {
   const nlohmann::json report =
       benchJson("grid --cells 16 --strands 40 --vertices 8 --steps 1 --threads 1" + options);

@@ -35,7 +35,7 @@ TEST(BroadPhase, TheTreeFindsWhatAllPairsFind) {
   const auto tree = makeTreeBroadPhase(), pairs = makeAllPairs();
   size_t found = 0, possible = 0;
   for (const size_t bodies : {0, 1, 2, 300, 300, 299, 40, 41, 0, 5}) {
-    for (int step = 0; step < 3; ++step) {  // the same bodies, elsewhere
+    for (int step = 0; step < 3; ++step) {  // the same bodies, in other positions
       std::vector<Box> body_boxes = random.boxes(bodies, 1, 0.2f);
       if (bodies > 30) body_boxes[17] = kEverywhere;
       std::vector<Box> strands = random.boxes(100, 1, 0.3f);
@@ -61,7 +61,7 @@ TEST(BroadPhase, NoNeighbourhoodNoList) {
   EXPECT_TRUE(lists.bodies.empty());
 }
 
-// Three hundred balls about the head, which moves.
+// Three hundred balls around a moving head.
 TEST(BroadPhase, ASimulationGivesShortListsAndTheTreeTheSame) {
   Boxes random;
   std::vector<RigidBody> bodies;

@@ -64,14 +64,14 @@ Worst compare(const DistanceField& field, const Truth& truth, float reach) {
   return worst;
 }
 
-// m: what the middles of an icosphere's facets (edges of 4 % of the radius at five levels) lie too deep, and
-// what the interpolant errs by where the distance is curved most, at the inner end of the band.
+// m. Depth of the middles of an icosphere's facets (edges of 4 % of the radius at five levels), plus the
+// interpolation error where the distance is most curved, at the inner end of the band.
 double roundError(float radius) {
   const float edge = 0.04f * radius;
   return edge * edge / (6 * radius) + kFine * kFine / (4 * (radius - defaultFieldBand(40e-6f, kFine)));
 }
 
-// Degrees: between the normals of facets, and how the direction turns within half a cell's diagonal there.
+// Degrees. Angle between normals of facets, plus the change of direction within half a cell's diagonal there.
 double roundTurn(float radius) {
   const float turn =
       0.02f + kFine / (std::numbers::sqrt2_v<float> * (radius - defaultFieldBand(40e-6f, kFine)));
@@ -118,8 +118,8 @@ TEST(FieldBake, ABoxIsExactOverItsFacesAndWithinAPartOfACellAtItsEdges) {
 
 TEST(FieldBake, BeyondTheBandDistancesAreLowerBoundsWithTheRightSignAndAWayOut) {
   const DistanceField field = baked(shapes::sphere(0.1f, 4));
-  // m, as in roundError, at four levels; stored bricks reach beyond the band, and their interpolant is no
-  // bound.
+  // m, as in roundError, at four levels. Stored bricks extend beyond the band, and their interpolated values
+  // are no bound.
   constexpr float kOff = 0.008f * 0.008f / (6 * 0.1f) + kCell * kCell / (4 * 0.1f);
   std::mt19937 random(5);
   for (int i = 0; i < 5000; ++i) {
@@ -173,11 +173,11 @@ TEST(FieldBake, StoredSamplesAreWithinHalfAUnitOfTheExactDistance) {
 }
 
 TEST(FieldBake, TheNumberOfThreadsChangesNoBit) {
-  // Else oneTBB gives no more threads than the machine has.
+  // Without this, oneTBB uses no more threads than the machine has.
   using oneapi::tbb::global_control;
   const global_control five(global_control::max_allowed_parallelism, 5);
   TriangleMesh mesh = shapes::together(shapes::potato(0.05f, 3), shapes::sphere(0.03f, 2, {0.05f, 0, 0}));
-  mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 10);  // open, too
+  mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 10);  // open as well
   const DistanceField one = baked(mesh, 0.005f, 1);
   for (const int threads : {2, 5}) {
     const DistanceField other = baked(mesh, 0.005f, threads);
@@ -258,10 +258,10 @@ TEST(FieldBake, SpheresThatCutEachOtherAreOneBody) {
     }
   }
   EXPECT_LT(worst, 0.5 * kCell) << "the crease";
-  // On the wall of the second sphere, deep within the first.
+  // On the wall of the second sphere, deep inside the first.
   EXPECT_LT(field.at({0.012f, 0.01f, 0}).distance, -0.015f);
   EXPECT_LT(field.at({0.048f, 0.01f, 0}).distance, -0.015f);
-  // The same with the seam's triangles much larger than a cell.
+  // As above, with triangles at the seam much larger than a cell.
   const TriangleMesh coarse =
       shapes::together(shapes::box({0.1f, 0.1f, 0.1f}), shapes::sphere(0.05f, 4, {0.1f, 0, 0}));
   const DistanceField boxes = baked(coarse);
@@ -405,7 +405,7 @@ TEST(FieldBake, TheKeyIsOfWhatTheFieldDependsOn) {
   EXPECT_NE(fieldKey(mesh, resolveFieldOptions(mesh, cells(0.003f))), key);
 }
 
-// With as many cells around them as their evenness says.
+// Each brick with as many cells around it as its evenness states.
 TEST(FieldEvenness, NormalsAboutEvenBricksAreLessThan60DegreesApart) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> part(0, 1);

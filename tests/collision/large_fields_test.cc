@@ -1,4 +1,4 @@
-// Large bodies. The real one, where it is at hand: STRANDCAST_DATA, or a folder shared/data beside the
+// Large bodies. The real one is used if available: in STRANDCAST_DATA, or in a folder shared/data beside the
 // project.
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "collision/field_bake.h"
 #include "core/error.h"
-#include "groom/mesh_file.h"
+#include "io/mesh_file.h"
 #include "tests/collision/shapes.h"
 #include "tests/real_data.h"
 

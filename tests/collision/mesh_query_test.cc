@@ -21,8 +21,8 @@ double edgeDistance(const Point& p, const Point& a, const Point& b) {
   return (p - a - t * (b - a)).norm();
 }
 
-// Another way than the product's: the plane's distance where the foot is inside all three edges, else the
-// edges'.
+// A method other than the product's: the distance to the plane if the foot point is inside all three edges,
+// else the distance to the edges.
 double triangleDistance(const Point& p, const Point& a, const Point& b, const Point& c) {
   double best = std::min({edgeDistance(p, a, b), edgeDistance(p, b, c), edgeDistance(p, c, a)});
   const Point normal = (b - a).cross(c - a);
@@ -99,7 +99,7 @@ TEST(MeshQuery, OpenMeshesDuplicateVerticesAndDegenerateTrianglesAreTaken) {
     const Vec3 p = randomPoint(random, 0.2f);
     ASSERT_NEAR(query.windingNumber(p), bruteWinding(soup, p), 1e-3);
   }
-  // Vertices themselves are legal places to ask about.
+  // Vertices themselves are valid query points.
   for (size_t i = 0; i < soup.positions.size(); i += 50) {
     EXPECT_NEAR(query.closest(soup.positions[i]).distance, 0, 1e-6);
     EXPECT_TRUE(std::isfinite(query.windingNumber(soup.positions[i])));

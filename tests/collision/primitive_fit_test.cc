@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "core/error.h"
-#include "groom/mesh_file.h"
+#include "io/mesh_file.h"
 #include "tests/collision/shapes.h"
 #include "tests/real_data.h"
 
@@ -14,16 +14,15 @@ namespace strandcast {
 namespace {
 
 struct Coverage {
-  double deepest_poke = 0;      // m, how far a sphere reaches out of the mesh
+  double deepest_poke = 0;      // m, how far a sphere protrudes from the mesh
   double within_5_percent = 0;  // share of the vertices nearer than 5 % of the mesh's diagonal to a sphere
-  double median = 0;            // m, vertex to the nearest sphere
+  double median = 0;            // m, from a vertex to the nearest sphere
 };
 
 Coverage coverage(const TriangleMesh& mesh, const std::vector<ContactPrimitive>& spheres, size_t stride) {
   const MeshQuery query(mesh);
   Coverage out;
-  // Places on the spheres that lie outside of the mesh, and how far. What a mesh holds within it does not
-  // count.
+  // Depth of the points on the spheres that lie outside the mesh. Internal parts of a mesh do not count.
   for (const ContactPrimitive& sphere : spheres)
     for (int i = 0; i < 300; ++i) {
       const float y = 1 - (2 * static_cast<float>(i) + 1) / 300, ring = std::sqrt(1 - y * y);

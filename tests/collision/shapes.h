@@ -9,7 +9,7 @@
 
 namespace strandcast::shapes {
 
-/// An icosphere about `centre`: 20 * 4^levels triangles, closed, outward.
+/// An icosphere about `centre`: 20 * 4^levels triangles, closed, wound outward.
 inline TriangleMesh sphere(float radius, int levels, const Vec3& centre = Vec3::Zero()) {
   TriangleMesh mesh;
   mesh.name = "sphere";
@@ -38,7 +38,7 @@ inline TriangleMesh sphere(float radius, int levels, const Vec3& centre = Vec3::
   return mesh;
 }
 
-/// The same mesh with its surface pushed in and out: closed, not convex.
+/// An icosphere with a wavy surface: closed, not convex.
 inline TriangleMesh potato(float radius, int levels) {
   TriangleMesh mesh = sphere(radius, levels);
   for (Vec3& p : mesh.positions) {
@@ -49,7 +49,7 @@ inline TriangleMesh potato(float radius, int levels) {
   return mesh;
 }
 
-/// A sphere pulled apart along y: its axis goes from -half to half.
+/// A sphere stretched along y: its axis extends from -half to half.
 inline TriangleMesh capsule(float radius, float half, int levels) {
   TriangleMesh mesh = sphere(radius, levels);
   for (Vec3& p : mesh.positions) p.y() += p.y() < 0 ? -half : half;
@@ -57,7 +57,7 @@ inline TriangleMesh capsule(float radius, float half, int levels) {
   return mesh;
 }
 
-/// Twelve triangles about the origin, outward.
+/// Twelve triangles about the origin, wound outward.
 inline TriangleMesh box(const Vec3& half) {
   TriangleMesh mesh;
   mesh.name = "box";
@@ -69,7 +69,7 @@ inline TriangleMesh box(const Vec3& half) {
   return mesh;
 }
 
-/// A sphere of `rings` times `sectors` quads, halved; quick to make with millions of triangles.
+/// A sphere of `rings` times `sectors` quads, each split in two. Fast to make with millions of triangles.
 inline TriangleMesh globe(float radius, uint32_t rings, uint32_t sectors) {
   TriangleMesh mesh;
   mesh.name = "globe";
@@ -90,7 +90,7 @@ inline TriangleMesh globe(float radius, uint32_t rings, uint32_t sectors) {
   return mesh;
 }
 
-/// Both meshes as one, without joining them.
+/// Both meshes in one, not connected.
 inline TriangleMesh together(TriangleMesh a, const TriangleMesh& b) {
   const auto first = static_cast<uint32_t>(a.positions.size());
   a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());

@@ -25,7 +25,7 @@ FieldOptions coarse() {
   return options;
 }
 
-/// Places of corners, from the least of each triangle on; sorted.
+/// Positions of corners, each triangle from its least corner on; sorted.
 using Surface = std::vector<std::array<std::array<float, 3>, 3>>;
 
 Surface surfaceOf(const TriangleMesh& mesh) {
@@ -42,14 +42,14 @@ Surface surfaceOf(const TriangleMesh& mesh) {
   return out;
 }
 
-/// What is baked is the right mesh, to whose winding and triangles the broken one was brought.
+/// The repaired mesh has the winding and the triangles of the right one.
 void expectSameSurface(const TriangleMesh& broken, const TriangleMesh& right, const char* what) {
   const OrientedSurface oriented = orientSurface(broken);
   EXPECT_TRUE(oriented.repair.changed()) << what;
   EXPECT_TRUE(surfaceOf(oriented.mesh) == surfaceOf(right)) << what << ", " << right.name;
 }
 
-/// What is inside of the one is inside of the other.
+/// Both meshes have the same inside.
 void expectSameInside(const TriangleMesh& broken, const TriangleMesh& right) {
   const MeshQuery found(orientSurface(broken).mesh), wanted(right);
   std::mt19937 random(3);
@@ -64,7 +64,7 @@ void expectSameInside(const TriangleMesh& broken, const TriangleMesh& right) {
 
 void turn(std::array<uint32_t, 3>& triangle) { std::swap(triangle[1], triangle[2]); }
 
-/// Turned where `which` says so of the middle of a triangle.
+/// Reverses the triangles whose centre satisfies `which`.
 template <class Which>
 TriangleMesh turned(TriangleMesh mesh, Which which) {
   for (auto& t : mesh.triangles)
@@ -75,8 +75,7 @@ TriangleMesh insideOut(TriangleMesh mesh) {
   return turned(std::move(mesh), [](const Vec3&) { return true; });
 }
 
-/// Every corner with a vertex of its own, as files without indices have it, moved by no more than `noise`
-/// (m).
+/// Each corner has a vertex of its own, as in files without indices, displaced by at most `noise` (m).
 TriangleMesh soup(const TriangleMesh& mesh, float noise) {
   std::mt19937 random(4);
   TriangleMesh out;
@@ -152,7 +151,7 @@ TEST(SurfaceOrientation, QuadsAndTheirReversesCountOnceAlongWhateverDiagonal) {
   for (const TriangleMesh& other : {reverse, insideOut(reverse), half})
     expectSameInside(together(right, other), right);
   TriangleMesh boxes = together(box({0.05f, 0.05f, 0.05f}), box({0.05f, 0.05f, 0.05f}));
-  for (size_t v = 8; v < 16; ++v) boxes.positions[v].x() -= 0.1f;  // the wall's diagonals cross
+  for (size_t v = 8; v < 16; ++v) boxes.positions[v].x() -= 0.1f;  // the diagonals of the wall cross
   const OrientedSurface joined = orientSurface(boxes);
   EXPECT_EQ(joined.mesh.triangles.size(), 20u);
   EXPECT_TRUE(checkMesh(joined.mesh).open_edges.empty());
@@ -169,7 +168,7 @@ TEST(SurfaceOrientation, BodiesOfOppositeWindingDoNotCancel) {
   expectSameInside(together(ball, insideOut(beside)), together(ball, beside));
 }
 
-// Eyes that look out of a head, through its skin or out of a hole in it.
+// Eyes that protrude from a head, through its skin or out of a hole in it.
 TEST(SurfaceOrientation, EyesWoundInwardsAreTurned) {
   const TriangleMesh left = sphere(0.02f, 2, {0.03f, 0.02f, 0.085f}),
                      right = sphere(0.02f, 2, {-0.03f, 0.02f, 0.085f});
@@ -218,8 +217,7 @@ TEST(SurfaceOrientation, WhatIsWoundAsItShouldBeStaysAsItIs) {
       const OrientedSurface oriented = orientSurface(given);
       EXPECT_FALSE(oriented.repair.changed()) << name;
       EXPECT_EQ(oriented.mesh.triangles, given.triangles) << name;
-      // A shell that is hollow, or a body in an inverted hull: turned inside out as a whole, both look the
-      // same.
+      // A hollow shell and a body in an inverted hull: as a whole inside out, the two cannot be told apart.
       const bool is_unclear = oriented.repair.is_inside_out && oriented.repair.hollows > 0;
       EXPECT_EQ(oriented.repair.lines().empty(), !is_unclear) << name;
     }
@@ -248,7 +246,7 @@ TEST(SurfaceOrientation, AWallBetweenBodiesIsNoSurface) {
   for (Vec3& p : beyond.positions) p.x() += 0.1f;
   TriangleMesh right = box({0.1f, 0.05f, 0.05f});
   for (Vec3& p : right.positions) p.x() += 0.05f;
-  TriangleMesh once = together(two, beyond);  // with one wall of the two
+  TriangleMesh once = together(two, beyond);  // with only one of the two walls
   std::erase_if(once.triangles, [&](const auto& t) {
     const auto first = static_cast<uint32_t>(two.positions.size());
     return t[0] >= first &&
@@ -264,13 +262,14 @@ TEST(SurfaceOrientation, AWallBetweenBodiesIsNoSurface) {
 TEST(SurfaceOrientation, TJunctionsSliversAndRoundedCornersAreBridged) {
   const TriangleMesh right = sphere(0.05f, 3);
   const auto half = [](const Vec3& p) { return p.z() > 0.003f; };
-  TriangleMesh split = right;  // one triangle divided at the middle of an edge that its neighbour keeps
+  // One triangle divided at the middle of an edge that its neighbour does not divide.
+  TriangleMesh split = right;
   const auto [a, b, c] = split.triangles[500];
   const auto middle = static_cast<uint32_t>(split.positions.size());
   split.positions.push_back(0.5f * (split.positions[a] + split.positions[b]));
   split.triangles[500] = {a, middle, c};
   split.triangles.push_back({middle, b, c});
-  TriangleMesh slivers = split;  // the gap filled with a triangle without area, and others that are none
+  TriangleMesh slivers = split;  // the gap filled with a degenerate triangle, and further degenerate ones
   slivers.triangles.push_back({b, middle, a});
   slivers.triangles.push_back({a, a, b});
   slivers.triangles.push_back({c, c, c});
@@ -287,7 +286,7 @@ TEST(SurfaceOrientation, FinsAndASurfaceOfOneSideChangeNothingElse) {
   lashes.positions.push_back(lashes.positions[a] * 1.4f);
   lashes.triangles.push_back({a, b, static_cast<uint32_t>(lashes.positions.size() - 1)});
   EXPECT_FALSE(orientSurface(lashes).repair.changed());
-  TriangleMesh strip;  // of Moebius
+  TriangleMesh strip;  // a Moebius strip
   for (int i = 0; i < 40; ++i) {
     const float round = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / 40, twist = round / 2;
     const Vec3 out(std::cos(round), 0, std::sin(round));
@@ -319,7 +318,7 @@ TEST(SurfaceOrientation, WarningsSayWhatWasRepairedAndWhereTheSideStaysInDoubt) 
   EXPECT_EQ(warningsOf(some), "7 of 320 triangles are wound against their neighbours, and are turned\n");
   EXPECT_EQ(warningsOf(together(ball, ball)),
             "320 of 640 triangles repeat others, with the same corners, and are left out\n");
-  TriangleMesh torn = ball;  // as a net
+  TriangleMesh torn = ball;  // like a net
   for (size_t t = 0; t < torn.triangles.size(); t += 3) torn.triangles[t][1] = torn.triangles[t][0];
   const std::vector<std::string> doubts = FieldBaker(torn, coarse()).warnings();
   ASSERT_EQ(doubts.size(), 1u);

@@ -1,6 +1,6 @@
-// One body of tests for every backend and solver: reference, each instruction set of the simd backend that
-// this machine has, gpu. Here what must hold of states, pins and bones; see one_step_conformance_test.cc and
-// bodies_conformance_test.cc.
+// One test fixture for every backend and solver: reference, each instruction set of the simd backend that
+// this machine has, gpu. This file tests states, pins, bones and invariants of long runs. See also
+// one_step_conformance_test.cc and bodies_conformance_test.cc.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,8 @@
 namespace strandcast {
 namespace {
 
-// Backends make room for what a step needs when the first one does.
+// Backends allocate the memory of a feature before the first step that needs it. The step must give the same
+// bits as if the memory had been there from the start.
 TEST_P(Conformance, SettingsThatChangeFindWhatTheyNeed) {
   const StrandModel model = awkwardModel(33, 25);
   const StrandState from = disturbedState(model, 26);
@@ -26,7 +27,7 @@ TEST_P(Conformance, SettingsThatChangeFindWhatTheyNeed) {
   plain.solver = parameters_.solver == SolverKind::kRod ? SolverKind::kGaussSeidel : SolverKind::kRod;
   Parameters all = parameters_;
   all.goal_rate = 5;
-  all.damping_time = 0.002f;  // as in the other steps with a goal: a GPU has compiled its programs already
+  all.damping_time = 0.002f;  // as in the other steps with a goal, to reuse compiled GPU programs
   const auto bodies = movingBodies(all.time_step);
   const StepInput simple{&plain}, rich{&all, {}, {}, bodies};
   const StrandState at_once = stepped(model, from, rich);
@@ -173,11 +174,11 @@ TEST_P(Conformance, TiedVerticesGoWithTheirBone) {
   EXPECT_EQ(nonFinite(after), 0u);
 }
 
-// Strands that two pins hold taut, on one bone and on two, also in the middle, thrown about: the bound on
-// tensions that are far too high, and the pulls, are as the oracle has them.
+// Strands that two pins hold taut, on one bone and on two, with some pinned in the middle too. Tensions start
+// far too high and velocities are random. Tests tensionBound() and the tension increments against the oracle.
 TEST_P(Conformance, TautStrandsBetweenPinsAgreeWithTheOracle) {
   if (parameters_.solver != SolverKind::kRod) GTEST_SKIP() << "tensions are the rod's";
-  constexpr double kTolerance = 3e-4;  // of the length; measured: 9.2e-5 on CPUs, 1.0e-4 on llvmpipe
+  constexpr double kTolerance = 3e-4;  // of a strand's length; measured: 9.2e-5 on CPUs, 1.0e-4 on llvmpipe
   constexpr float kLength = 0.25f, kBend = 0.01f;
   constexpr int kCounts[] = {4, 9, 31, 61, 128};
   StrandSet set;
@@ -219,9 +220,9 @@ TEST_P(Conformance, TautStrandsBetweenPinsAgreeWithTheOracle) {
   std::printf("             at most %.1e of a strand's length\n", worst);
 }
 
-// The rod keeps its lengths to rounding. The bounds on the stretch of the other solver are what it keeps on
-// 16 vertices with 6 iterations in 4 substeps (mean 0.052, max 0.26 on every backend) with about 40 % to
-// spare: few Gauss-Seidel sweeps do not make hair inextensible.
+// The rod keeps its lengths to rounding. gauss_seidel stretches: few Gauss-Seidel sweeps do not make hair
+// inextensible. Its bounds are the stretch measured on 16 vertices with 6 iterations in 4 substeps (mean
+// 0.052, max 0.26 on every backend) with a margin of about 40 %.
 TEST_P(Conformance, InvariantsHoldOver120Steps) {
   StrandSet set;
   std::mt19937 random(71);
@@ -261,7 +262,7 @@ TEST_P(Conformance, InvariantsHoldOver120Steps) {
   EXPECT_LT(worst.max_penetration, 1e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, Conformance, testing::ValuesIn(contestants()),
+INSTANTIATE_TEST_SUITE_P(Backends, Conformance, testing::ValuesIn(backendCases()),
                          [](const auto& contestant) { return contestant.param.name; });
 
 }  // namespace

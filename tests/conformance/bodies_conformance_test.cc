@@ -1,4 +1,4 @@
-// Every backend and solver among bodies: a step against the oracle, and what must hold of many.
+// Every backend and solver among bodies: one step against the oracle, and invariants of many steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace strandcast {
 namespace {
 
-// A step among bodies, as the oracle has it: the same for every backend.
+// Input of a step among bodies and the oracle's result, shared by all backends.
 struct StepAmongBodies {
   StrandModel model;
   StrandState from, truth;
@@ -25,12 +25,12 @@ struct StepAmongBodies {
   ShapeData shapes;
   std::vector<MovingPrimitive> bodies;
   std::vector<Pose> bones_end;
-  std::vector<double> sensitivity, touched;  // touched: by how much the bodies move a strand
+  std::vector<double> sensitivity, touched;  // touched: displacement of a strand by the bodies
 
   StepInput input() const { return {&parameters, {}, bones_end, bodies, {}, &shapes}; }
   double substep() const { return parameters.time_step / parameters.substeps; }
-  void askTheOracle() {
-    model.rest_distance = leftWhereTheyStart(from, bodies, shapes.words);
+  void computeOracle() {
+    model.rest_distance = restDistancesAtStart(from, bodies, shapes.words);
     truth = oracleStep(model, from, input());
     sensitivity = sensitivities(model, from, truth, input(), substep());
     touched = errors(model, truth, oracleStep(model, from, {&parameters, {}, bones_end}), substep());
@@ -47,14 +47,14 @@ std::vector<StepAmongBodies> stepsAmongBodies(const Parameters& common) {
       step.bodies = movingBodies(common.time_step);
       if (c.moving_roots) step.bones_end = {movedHead()};
       step.parameters = parametersOf(c, common);
-      step.askTheOracle();
+      step.computeOracle();
       out.push_back(std::move(step));
     }
   return out;
 }
 
-// Strands of the rod that are thrown at bodies may touch them or not by a rounding, which no few nudges of
-// the oracle's input foresee. So these are counted, over states that nobody has chosen.
+// Rounding may decide whether a strand of the rod that is thrown at a body touches it. A few nudges of the
+// oracle's input do not predict that. This counts such strands over randomly drawn states.
 struct Disagreement {
   size_t compared = 0, off = 0, far = 0;
   void add(const StepAmongBodies& step, const std::vector<double>& error) {
@@ -87,8 +87,8 @@ TEST_P(Conformance, NearlyAllStrandsAmongBodiesAgreeWithTheOracle) {
   all.expectLittle(mostOff());
 }
 
-// Bodies of every kind, each alone, so that every strand that differs is the doing of one kind; the rod from
-// several states, for its strands are counted. One state has all of the code for a sanitizer.
+// Bodies of every kind, each alone, so that a difference is attributable to one kind. The rod starts from
+// several states, because its strands are counted. Under a sanitizer one state covers all of the code.
 using StepsOfKind = std::vector<StepAmongBodies>;
 std::vector<StepsOfKind> stepsOfEachKind(const Parameters& common) {
   std::vector<StepsOfKind> out(kFurtherKinds);
@@ -101,7 +101,7 @@ std::vector<StepsOfKind> stepsOfEachKind(const Parameters& common) {
       step.parameters = common;
       step.bodies = {furtherBody(kind, common.time_step, step.shapes)};
       step.bones_end = {movedHead()};
-      step.askTheOracle();
+      step.computeOracle();
     }
   return out;
 }
@@ -134,12 +134,11 @@ TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
                 moved_by_body, strands, worst);
     EXPECT_GT(moved_by_body, strands / 8);
   }
-  // Of the strands of one state that much would be less than one.
+  // Under a sanitizer there is one state only, and the permitted share is less than one strand.
   if (rod && !kSanitized) all.expectLittle(mostOff());
 }
 
-// Hair that stands up from a floor under a ball that covers roots of it and rises by a millimetre in the
-// step.
+// Hair stands up from a floor. A ball that covers some of its roots rises by 1 mm per step.
 TEST_P(Conformance, HairNearRootsThatABodyCoversAgreesWithTheOracle) {
   constexpr float kBall = 0.04f;  // m
   constexpr int kSide = 8, kRising = 30;
@@ -187,8 +186,8 @@ TEST_P(Conformance, HairNearRootsThatABodyCoversAgreesWithTheOracle) {
   EXPECT_EQ(out_of_it, model.strands());
 }
 
-// Sixty balls about the head and in the hair, most of them out of a strand's reach; the head moves. Only
-// strands of the rod are known to stay within reach.
+// Sixty balls around the head and in the hair, most of them out of any strand's reach, under a moving head.
+// Only strands of the rod keep their length and get lists of near bodies.
 TEST_P(Conformance, ListsOfNearBodiesChangeNoBit) {
   StrandModel model = awkwardModel(65, 19), tied = model;
   tieToBones(tied);
@@ -242,10 +241,10 @@ TEST_P(Conformance, ContactForcesAreForgottenWithTheirBodies) {
   EXPECT_FALSE(pressed());
 }
 
-// A vertex that is just above a plane, on an edge so short that its length puts it deep below, straight down
-// from the root: the nearest point of the plane is no way out.
+// A vertex lies just above a plane, straight below its root, on an edge whose exact length puts it deep below
+// the plane. Turning it towards the nearest point of the plane does not move it.
 TEST_P(Conformance, AnEdgeThatGoesStraightInComesOutAllTheWay) {
-  if (parameters_.solver != SolverKind::kRod) return;  // the course's scheme lets lengths be what they are
+  if (parameters_.solver != SolverKind::kRod) return;  // only the rod sets exact lengths
   constexpr float kRoot = 0.004f, kLength = 0.008f;    // m
   StrandSet set;
   set.append(std::vector<Vec3>{Vec3(0, kRoot, 0), Vec3(0, kRoot - kLength, 0)});
@@ -262,16 +261,16 @@ TEST_P(Conformance, AnEdgeThatGoesStraightInComesOutAllTheWay) {
   EXPECT_GT(state.positions[1].y(), 0);
 }
 
-// Two planes meet in a crease, and where the root is no place on the edge's length is before both: turning
-// the edge out of one wholly takes it 1.1 mm into the other, and the best is 0.3 mm in either.
+// Two planes meet in a crease. The edge is so short and its root so deep that its end cannot be outside of
+// both. Turning it fully out of one plane puts it 1.1 mm into the other; the optimum is 0.3 mm deep in both.
 TEST_P(Conformance, AnEdgeInACreaseIsLeftWhereItIsLeastDeep) {
   if (parameters_.solver != SolverKind::kRod) return;
-  const Vec3 root(-0.00318f, -0.0075f, 0), placed(0.00026f, 0.0002f, 0);  // the latter 0.2 mm before both
+  const Vec3 root(-0.00318f, -0.0075f, 0), placed(0.00026f, 0.0002f, 0);  // placed: 0.2 mm outside of both
   constexpr float kLength = 0.00774f;                                     // m, 0.7 mm too short
   StrandSet set;
   set.append(std::vector<Vec3>{root, root + Vec3(0, kLength, 0)});
   StrandModel model = makeStrandModel(set);
-  model.rest_distance = {-0.01f, kFarFromBodies};  // the root may be that deep
+  model.rest_distance = {-0.01f, kFarFromBodies};  // the root may be 1 cm deep
   StrandState from = restState(model, model.rest_roots);
   from.positions[1] = placed;
   ContactPrimitive plane;
@@ -287,8 +286,8 @@ TEST_P(Conformance, AnEdgeInACreaseIsLeftWhereItIsLeastDeep) {
   for (const MovingPrimitive& body : bodies) EXPECT_GT(signedDistance(body, state.positions[1], {}), -5e-4f);
 }
 
-// A body with a crease comes so that, seen from it, a vertex goes close along its floor into its wall: what
-// the vertex grazes does not bound it there.
+// A body with a crease moves. Relative to it, a vertex slides close along the floor of the crease into its
+// wall. The plane of the floor, which it only grazes, must not stand in for the wall.
 TEST_P(Conformance, WhatGrazesOneSideOfACreaseIsHeldByTheOther) {
   if (parameters_.solver != SolverKind::kRod) return;
   ContactPrimitive solid;
@@ -300,10 +299,10 @@ TEST_P(Conformance, WhatGrazesOneSideOfACreaseIsHeldByTheOther) {
   const uint32_t data = shapes.add(solid);
   const Pose comes{Vec3(0.004f, 0, 0), Quat::Identity()};
   const std::vector<MovingPrimitive> bodies{moved(solid, {}, comes, parameters_.time_step, data)};
-  StrandSet set;  // hangs 0.1 mm over the floor, 2 mm before the wall
+  StrandSet set;  // 0.1 mm above the floor, 2 mm from the wall
   set.append(std::vector<Vec3>{Vec3(0.003f, 0.008f, 0), Vec3(0.002f, 1e-4f, 0)});
   StrandModel model = makeStrandModel(set);
-  model.rest_distance = {-0.01f, kFarFromBodies};  // the body may cover the root so far
+  model.rest_distance = {-0.01f, kFarFromBodies};  // the root may be 1 cm deep
   Parameters parameters = parameters_;
   parameters.substeps = 1;
   parameters.gravity = Vec3::Zero();
@@ -312,8 +311,8 @@ TEST_P(Conformance, WhatGrazesOneSideOfACreaseIsHeldByTheOther) {
   EXPECT_GT(signedDistance(bodies[0], state.positions[1], shapes.words), -2e-4f);
 }
 
-// Hair on a ball that is a field, with its first vertices in it, while the ball nods and slides and a box is
-// pushed through the hair.
+// Hair on a ball that is a distance field, with its first vertices inside. The ball rotates and slides while
+// a box is pushed through the hair.
 TEST_P(Conformance, FieldsAndBoxesHoldHairOutOver60Steps) {
   StrandSet set;
   std::mt19937 random(75);
@@ -351,7 +350,7 @@ TEST_P(Conformance, FieldsAndBoxesHoldHairOutOver60Steps) {
   std::printf("             penetration %.2e m\n", worst.max_penetration);
   EXPECT_EQ(worst.non_finite, 0u);
   EXPECT_EQ(in_ball, 2u * 61u);
-  // Hair that keeps its length must buckle before it makes way for a box that comes at its tip (1.0 mm on
+  // Inextensible hair must buckle before it yields to a box that approaches its tip (measured: 1.0 mm on
   // every backend).
   EXPECT_LT(worst.max_penetration, parameters_.solver == SolverKind::kRod ? 2e-3 : 1e-3);
 }

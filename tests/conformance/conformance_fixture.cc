@@ -10,8 +10,8 @@
 
 namespace strandcast {
 
-std::vector<Contestant> contestants() {
-  std::vector<Contestant> list;
+std::vector<BackendCase> backendCases() {
+  std::vector<BackendCase> list;
   auto add = [&](const std::string& name, const BackendInfo& info, const auto& create) {
     for (const SolverKind solver : info.solvers)
       list.push_back({name + "_" + solverName(solver), create, info.available ? "" : info.reason, solver});
@@ -61,7 +61,7 @@ bool tooDense(const StrandModel& model, size_t s, double substep, double densest
 StrandState oracleStep(const StrandModel& model, const StrandState& from, const StepInput& input) {
   auto oracle = makeOracleBackend();
   oracle->load(model, from);
-  if (!input.accelerations.empty()) oracle->expectAccelerations();
+  if (!input.accelerations.empty()) oracle->prepareAccelerations();
   oracle->step(input);
   StrandState state;
   oracle->download(state);

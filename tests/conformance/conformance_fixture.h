@@ -12,39 +12,41 @@
 
 namespace strandcast {
 
-/// A backend with one of its solvers.
-struct Contestant {
+/// A backend with one of its solvers: the parameter of the fixture.
+struct BackendCase {
   std::string name;
   std::function<std::unique_ptr<Backend>()> create;
-  std::string absent;  ///< why it cannot run; empty when it can
+  std::string absent;  ///< reason why it cannot run; empty when it can
   SolverKind solver = SolverKind::kGaussSeidel;
-  friend void PrintTo(const Contestant& c, std::ostream* out) { *out << c.name; }
+  friend void PrintTo(const BackendCase& c, std::ostream* out) { *out << c.name; }
 };
 
-/// Reference, each instruction set of the simd backend that this machine has, gpu.
-std::vector<Contestant> contestants();
+/// The reference backend, simd with each instruction set of this machine, and gpu, with each of their
+/// solvers.
+std::vector<BackendCase> backendCases();
 
-// One step against the oracle, as a part of a strand's length: a strand may differ by kOneStepTolerance and
-// by kSensitivityFactor times what the oracle's own answer moves by when positions and velocities move by
-// half a unit in the last place. The second counts where a strand is folded sharply under a body, where
-// frames turn by much for little. Measured over all cases and backends: at most 3.1e-6.
+// Tolerance of one step against the oracle, as a part of a strand's length: kOneStepTolerance plus
+// kSensitivityFactor times the strand's sensitivity. The sensitivity is the change of the oracle's result
+// when positions and velocities change by half a unit in the last place. It matters for strands folded
+// sharply under a body, whose frames are ill-conditioned. Measured over all cases and backends: at
+// most 3.1e-6.
 constexpr double kOneStepTolerance = 5e-6;
-// The rod's direct solves carry rounding from one end of a strand to the other. Its float form is held to
-// this up to dt^2 B / (m l^2) of kDensestRod at every joint (measured: at most 4.5e-6 beyond the oracle's own
-// sensitivity, 1.2e-5 on an H100). Denser strands are held by what must hold over many steps. Goals are
-// rounded apart from positions, which is in no nudge (measured: 2.1e-5 on an H100).
+// Direct solves of the rod propagate rounding along the whole strand. This tolerance applies to strands with
+// dt^2 B / (m l^2) up to kDensestRod at every joint (measured: at most 4.5e-6 beyond the oracle's own
+// sensitivity, 1.2e-5 on an H100). Denser strands are tested by invariants over many steps. Goals are rounded
+// separately from positions, which nudges do not cover (measured: 2.1e-5 on an H100).
 constexpr double kRodOneStepTolerance = 2.5e-5, kGoalTolerance = 3e-5;
 constexpr double kDensestRod = 30000;
 // A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds
-// it or does not. Of the rod's strands among bodies, how many may differ from the oracle by more than a
-// rounding explains (kAmongBodiesTolerance), and by more than kGrazingTolerance: up to 0.1 and 0.02 % do on
-// CPUs, 0.6 and 0.11 % on llvmpipe, 0.3 and 0.15 % on an H100.
+// it or does not. kMostOff and kMostFar are the shares of the rod's strands among bodies that may differ from
+// the oracle by more than kAmongBodiesTolerance (plus sensitivity) and by more than kGrazingTolerance.
+// Measured: up to 0.1 and 0.02 % on CPUs, 0.6 and 0.11 % on llvmpipe, 0.3 and 0.15 % on an H100.
 constexpr double kDensestAmongBodies = 3000;
 constexpr double kAmongBodiesTolerance = 4e-5, kGrazingTolerance = 5e-3;
 constexpr double kMostOff = 0.0025, kMostOffOnGpu = 0.0075, kMostFar = 0.0015;
 constexpr double kSensitivityFactor = 10;
 
-class Conformance : public testing::TestWithParam<Contestant> {
+class Conformance : public testing::TestWithParam<BackendCase> {
  protected:
   void SetUp() override {
     if (!GetParam().absent.empty()) {
@@ -60,7 +62,7 @@ class Conformance : public testing::TestWithParam<Contestant> {
   StrandState stepped(const StrandModel& model, const StrandState& from, const StepInput& input,
                       int steps = 1) {
     backend_->load(model, from);
-    if (!input.accelerations.empty()) backend_->expectAccelerations();
+    if (!input.accelerations.empty()) backend_->prepareAccelerations();
     for (int i = 0; i < steps; ++i) backend_->step(input);
     StrandState state;
     backend_->download(state);
@@ -73,23 +75,23 @@ class Conformance : public testing::TestWithParam<Contestant> {
   Parameters parameters_;
 };
 
-/// Vertices whose place or velocity is not finite.
+/// Number of vertices whose position or velocity is not finite.
 size_t nonFinite(const StrandState& state);
-/// Per strand, the largest distance between two states, positions and velocities x substep, as a part of its
-/// length.
+/// Per strand, the largest distance between two states over its vertices, of positions and of velocities x
+/// substep (s), as a part of the strand's length.
 std::vector<double> errors(const StrandModel& model, const StrandState& a, const StrandState& b,
                            double substep);
-/// The greatest dt^2 B / (m l^2) of a joint of strand s at this substep.
+/// The greatest dt^2 B / (m l^2) of a joint of strand s, with dt = `substep`, s.
 double stiffnessOf(const StrandModel& model, size_t s, double substep);
-/// Whether the vertices of strand s are too dense for the rod's float form at this substep.
+/// Whether stiffnessOf() strand s exceeds `densest`: too stiff for the one-step tolerance in float.
 bool tooDense(const StrandModel& model, size_t s, double substep, double densest = kDensestRod);
 StrandState oracleStep(const StrandModel& model, const StrandState& from, const StepInput& input);
-/// Per strand, the most that the oracle's answer moves by when its input does, of a few nudges: of a strand
-/// that slides under a body one alone may show a quarter of what the next shows.
+/// Per strand, the largest change of the oracle's result over kNudges nudges of its input. Several, because
+/// for a strand that slides under a body one nudge may show a quarter of the next one's change.
 std::vector<double> sensitivities(const StrandModel& model, const StrandState& from, const StrandState& truth,
                                   const StepInput& input, double substep);
 
-/// What one step is taken with.
+/// Features of the input of one step.
 struct StepCase {
   const char* name;
   bool bodies, moving_roots, wind;

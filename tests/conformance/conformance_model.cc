@@ -48,10 +48,10 @@ std::vector<Material> groomedMaterials() {
 void tieToBones(StrandModel& model) {
   model.bones = {"head", "clip", "ribbon"};
   for (size_t s = 0; s < model.strands(); ++s) {
-    const float nearest = 1.0f / static_cast<float>(model.verticesOf(s) - 1);  // so that a vertex is in range
+    const float nearest = 1.0f / static_cast<float>(model.verticesOf(s) - 1);  // spans a vertex at least
     if (s % 4 == 0) pinToBone(model, s, 0.5f, std::min(0.5f + nearest, 1.0f), "ribbon");
     if (s % 8 == 1) pinToBone(model, s, 0, 1, "clip");
-    if (s % 4 == 2 && model.verticesOf(s) > 3) {  // two edges alone cannot keep their length between two pins
+    if (s % 4 == 2 && model.verticesOf(s) > 3) {  // two edges cannot keep their length between two pins
       pinToBone(model, s, 0, 0, "clip");
       pinToBone(model, s, 1, 1, "head");
     }
@@ -98,7 +98,7 @@ std::vector<MovingPrimitive> movingBodies(float dt) {
           moved(plane, pose({0, -0.15f, 0}, 0), pose({0, -0.14f, 0}, 0.02f), dt)};
 }
 
-std::vector<float> leftWhereTheyStart(const StrandState& from, std::span<const MovingPrimitive> bodies,
+std::vector<float> restDistancesAtStart(const StrandState& from, std::span<const MovingPrimitive> bodies,
                                       std::span<const uint32_t> words) {
   constexpr float kDeeper = 1e-3f;  // m
   std::vector<float> distances(from.positions.size(), kFarFromBodies);
@@ -198,7 +198,7 @@ MovingPrimitive furtherBody(int kind, float dt, ShapeData& shapes) {
     const MovingBend bend = bendOf(body, begin, end);
     const uint32_t at = shapes.addBend();
     shapes.setBend(at, bend);
-    bendWith(placed, bend, at);
+    applyBend(placed, bend, at);
   }
   return placed;
 }

@@ -1,5 +1,5 @@
-// The same kernel text through all its instantiations, compared with the double one on random and on nasty
-// inputs.
+// Runs the kernels in every instantiation and compares them with the one in double precision, on random and
+// on degenerate inputs.
 #include "tests/conformance/kernel_conformance.h"
 
 #include <gtest/gtest.h>
@@ -71,8 +71,8 @@ constexpr const char* kNames[kKernels] = {"solveDistance",
                                           "pushAlong",
                                           "bend",
                                           "bentDistance",
-                                          "lastTurn",
-                                          "heldPlace",
+                                          "gapToRemove",
+                                          "positionOnSurface",
                                           "heldForce",
                                           "draggedAmong"};
 
@@ -156,7 +156,7 @@ class InputMaker {
       case kCarriedBy:
         vector(v, 0.3f), vector(v + 3, 0.3f), vector(v + 6, 0.01f), vector(v + 9, 0.1f);
         break;
-      case kFieldPlace:  // well within a cell: on its border another rounding may choose its neighbour
+      case kFieldPlace:  // well within a cell: at a border rounding may choose the neighbour
         vector(v + 3, 0.3f);
         v[6] = number(0.001f, 0.01f);
         for (int c = 0; c < 3; ++c) {
@@ -265,7 +265,7 @@ class InputMaker {
   std::mt19937 random_;
 };
 
-// Turns an ordinary input into a degenerate one; `way` counts through the ways of the kernel.
+// Makes an ordinary input degenerate. `way` enumerates the degenerate cases of the kernel.
 Item nasty(int kernel, Item item, size_t way) {
   float* v = item.data();
   switch (kernel) {
@@ -274,17 +274,16 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 4 == 0) std::copy(v, v + 3, v + 3);              // coincident
       if (way % 4 == 1) v[6] = v[7] = v[9] = v[10] = v[11] = 0;  // all pinned
       if (way % 4 == 2) std::fill(v, v + 9, 0.0f);               // coincident at the origin
-      if (way % 4 == 3)
-        v[3] = std::nextafter(v[0], 9.0f), v[4] = v[1], v[5] = v[2];  // as near as floats come
+      if (way % 4 == 3) v[3] = std::nextafter(v[0], 9.0f), v[4] = v[1], v[5] = v[2];  // adjacent floats
       break;
     case kRotationBetween:
-      if (way % 4 == 0) std::copy(v, v + 3, v + 3);                  // the same
+      if (way % 4 == 0) std::copy(v, v + 3, v + 3);                  // equal
       for (int c = 0; way % 4 == 1 && c < 3; ++c) v[3 + c] = -v[c];  // opposite
       if (way % 4 == 2) std::fill(v + 3, v + 6, 0.0f);               // a missing edge
       if (way % 4 == 3) std::fill(v, v + 6, 0.0f);
       break;
     case kInterpolateRotation:
-      for (int c = 0; way % 2 == 0 && c < 4; ++c) v[4 + c] = -v[c];  // the same rotation by its other name
+      for (int c = 0; way % 2 == 0 && c < 4; ++c) v[4 + c] = -v[c];  // the same rotation, negated
       v[8] = way % 4 < 2 ? 0.0f : 1.0f;
       break;
     case kSphereDistance:
@@ -307,14 +306,14 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 4 == 3) v[13] = 1000;
       break;
     case kLastTurn:
-      if (way % 2 == 0) std::copy(v, v + 3, v + 3), std::copy(v, v + 3, v + 6);  // all at one place
+      if (way % 2 == 0) std::copy(v, v + 3, v + 3), std::copy(v, v + 3, v + 6);  // all points coincide
       break;
     case kPredictPosition:
-      v[12] = static_cast<float>(way % 2);  // all or nothing of the air
+      v[12] = static_cast<float>(way % 2);  // drag keeps all or nothing of the velocity
       break;
     case kGoalPull:
     case kDrawnToGoal:
-      v[kernel == kGoalPull ? 10 : 6] = way % 2 == 0 ? 0.0f : 1e4f;  // off, and as good as pinned
+      v[kernel == kGoalPull ? 10 : 6] = way % 2 == 0 ? 0.0f : 1e4f;  // off; or nearly as stiff as a pin
       break;
     case kTethered:
       if (way % 2 == 0) std::copy(v, v + 3, v + 3);  // at the root
@@ -343,27 +342,27 @@ Item nasty(int kernel, Item item, size_t way) {
     case kSplatWeight:
       for (int c = 0; c < 3; ++c) v[c] = std::round(v[c]);
       break;
-    case kCrowding:  // as dense as at rest, and none at all
+    case kCrowding:  // as dense as at rest; zero density
       if (way % 2 == 0) v[1] = v[0];
       if (way % 2 == 1) v[0] = v[1] = 0;
       break;
-    case kHeldCrowding:  // as dense as at rest, and at both ends of its range
+    case kHeldCrowding:  // as dense as at rest; both ends of the range
       if (way % 3 == 0) v[2] = v[1];
       if (way % 3 == 1) v[0] = v[5];
       if (way % 3 == 2) v[0] = 0;
       break;
     case kDraggedAmong:
-      if (way % 3 == 0) v[6] = 0;                        // nothing to exchange with
-      if (way % 3 == 1) std::fill(v + 7, v + 10, 0.0f);  // a piece without a direction
-      if (way % 3 == 2) v[10] = 0;                       // along as across
+      if (way % 3 == 0) v[6] = 0;                        // no hair to exchange momentum with
+      if (way % 3 == 1) std::fill(v + 7, v + 10, 0.0f);  // a segment without direction
+      if (way % 3 == 2) v[10] = 0;                       // equal drag along and across
       break;
-    case kLargestCrowding:  // nothing at rest, and much more than one sample
+    case kLargestCrowding:  // zero at rest; much more than one sample
       v[0] = way % 2 == 0 ? 0.0f : 100 * v[1];
       break;
     case kTaperedCapsuleDistance:
-      if (way % 4 == 0) v[10] = v[9];                                            // a capsule
-      if (way % 4 == 1) v[9] = 0.5f;                                             // one ball in the other
-      if (way % 4 == 2) v[10] = 0.5f;                                            // the other in the one
+      if (way % 4 == 0) v[10] = v[9];  // a capsule
+      if (way % 4 == 1) v[9] = 0.5f;   // the first ball in the other
+      if (way % 4 == 2) v[10] = 0.5f;  // the other ball in the first
       if (way % 4 == 3) item = {0, 0.25f, 0, 0, 0, 0, 0, 0.5f, 0, v[9], v[10]};  // on the axis
       break;
     case kBoxDistance:
@@ -376,15 +375,15 @@ Item nasty(int kernel, Item item, size_t way) {
       if (way % 3 == 2) v[1] = v[2] = 0, v[0] = 0.3f;  // on an axis
       break;
     case kFieldDistance:
-      if (way % 2 == 0) std::fill(v, v + 8, v[0]);                      // no way out
+      if (way % 2 == 0) std::fill(v, v + 8, v[0]);                      // zero gradient
       if (way % 2 == 1) v[8 + way % 3] += way % 4 == 1 ? 1.0f : -1.0f;  // beyond the grid
       break;
     case kBend:  // beyond its box
       v[way % 3] = way % 2 == 0 ? 1.0f : -1.0f;
       break;
     case kBentDistance:
-      if (way % 3 == 0) v[0] *= 2.5f;                   // far, or near
-      if (way % 3 == 1) std::fill(v + 2, v + 5, 0.0f);  // no way out
+      if (way % 3 == 0) v[0] *= 2.5f;                   // farther
+      if (way % 3 == 1) std::fill(v + 2, v + 5, 0.0f);  // zero gradient
       if (way % 3 == 2)
         for (int c = 2; c < 5; ++c) v[c] *= 0.1f;
       break;
@@ -403,26 +402,26 @@ double distance(const float* a, const float* b) {
   return std::hypot(double(a[0]) - b[0], double(a[1]) - b[1], double(a[2]) - b[2]);
 }
 
-// How much a rounding error is made larger by the shape of the problem itself: 1 or more.
+// Condition number: amplification of a rounding error by the problem itself; at least 1.
 double condition(int kernel, const Item& item, double distance_out) {
   const float* v = item.data();
   if (kernel ==
-      kRotationBetween) {  // the quaternion is short before it is normalised where the two are opposite
+      kRotationBetween) {  // for nearly opposite vectors the quaternion is short before normalisation
     const double cosine = double(v[0]) * v[3] + double(v[1]) * v[4] + double(v[2]) * v[5];
     const double w = std::max(1 + cosine, 1e-3);
     return 1 / std::min(1.0, std::sqrt(w * w + std::max(0.0, 1 - cosine * cosine)));
   }
-  if (kernel == kSolveAngular) {  // a short parent is turned far
+  if (kernel == kSolveAngular) {  // a short parent edge rotates far
     const double parent = distance(v, v + 6);
     return parent > 0 ? std::max(1.0, norm(v + 12, 3) / parent) : 1;
   }
-  if (kernel == kTaperedCapsuleDistance)  // directions from a near axis, and the slope of the cone
+  if (kernel == kTaperedCapsuleDistance)  // direction from a near axis; slope of the cone
     return std::max(1.0, norm(v, 3) / std::max(1e-3, distance_out + std::min(v[9], v[10]))) *
            distance(v, v + 3) / distance(v + 3, v + 6) * 4;
   if (kernel == kEllipsoidDistance)  // curvature of the surface
     return std::pow(*std::max_element(v + 3, v + 6) / *std::min_element(v + 3, v + 6), 2);
   if (kernel == kSphereDistance ||
-      kernel == kCapsuleDistance) {  // directions from a near centre, along a short axis
+      kernel == kCapsuleDistance) {  // direction from a near centre; along a short axis
     const double from_axis = distance_out + (kernel == kSphereDistance ? v[6] : v[9]);
     double out = from_axis > 1e-12 ? std::max(1.0, norm(v, 3) / from_axis) : 1;
     const double axis = kernel == kCapsuleDistance ? distance(v + 3, v + 6) : 0;
@@ -459,9 +458,8 @@ std::array<double, kKernelOutputs> truth(int kernel, const Item& item) {
   return result;
 }
 
-// In units of float's rounding (6e-8) of the largest number of the item, times the problem's own condition.
-// Measured: 7.2 on every instantiation on one CPU; a GPU may be off by 2.5 units more in each division and
-// square root.
+// In units of float's rounding (6e-8) of the largest number of the item, times condition(). Measured: 7.2 for
+// every instantiation on one CPU. A GPU may err by 2.5 units more in each division and square root.
 constexpr double kTolerance = 16;
 
 void compare(const std::string& name, const KernelRunner& run) {
@@ -514,7 +512,7 @@ TEST(KernelConformance, Glsl) {
   compare(glsl.name, glsl.run);
 }
 
-// The double instantiation itself, against what the formulas mean.
+// Tests the double instantiation itself against the meaning of the formulas.
 TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
   for (size_t i = 0; i < kItems; ++i) {
     const Item distance_item = makeInputs(kSolveDistance).items[i];
@@ -538,7 +536,7 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
   Item contact = {0, 0.1f, 0, 0.01f, 0.12f, 0, 0, -0.02f, 0, 0, 1, 0, -0.02f, 0.3f, 0.5f, 0.02f};
   EXPECT_NEAR(truth(kResolveContact, contact)[1], 0.12, 1e-7) << "pushed out by its depth";
   EXPECT_NEAR(truth(kResolveContact, contact)[0], 0.006, 1e-7) << "taken along by friction x depth";
-  auto held = truth(kHeldPlace, contact);  // force: 0.02 by the normal, less `moved`: nothing
+  auto held = truth(kHeldPlace, contact);  // force = 0.02 normal + `moved` = 0
   EXPECT_NEAR(held[1], 0.12, 1e-7) << "pushed out by its depth";
   EXPECT_NEAR(held[0], 0.006, 1e-7) << "taken along by friction x depth";
   EXPECT_NEAR(held[3], 0.5, 1e-7) << "half of what forces pressed is kept";
@@ -567,14 +565,14 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
   EXPECT_NEAR(last_turn(-0.0025f, 0, -0.001f), -0.00125, 1e-7) << "half";
 }
 
-// Two planes that make 116 degrees, through which an edge of 7.8 mm from the origin leads.
+// Two planes whose normals make 116 degrees; an edge of 7.8 mm from the origin crosses both.
 TEST(KernelConformance, AnEdgeIsTurnedIntoTheCreaseOfTwoPlanes) {
   namespace k = kernels::f64;
   constexpr double kLength = 0.0078;
   const k::real3 first{1, 0, 0}, second{-0.432, std::sqrt(1 - 0.432 * 0.432), 0}, inner{0, 0, 0};
   const auto heights_of = [&](const k::real3& x, double first_height, double second_height) {
-    const k::real3 carried = x + (first + second) * 0.01;  // it was outside
-    const k::real3 out = k::turnedIntoCrease(x, inner, carried, first, k::dot(first, x) - first_height,
+    const k::real3 carried = x + (first + second) * 0.01;  // outside before the substep
+    const k::real3 out = k::rotatedIntoCrease(x, inner, carried, first, k::dot(first, x) - first_height,
                                              carried, second, k::dot(second, x) - second_height, kLength);
     EXPECT_NEAR(k::length(out), kLength, 1e-12);
     EXPECT_GT(out.z, -1e-12) << "on the side where it was";
@@ -584,7 +582,7 @@ TEST(KernelConformance, AnEdgeIsTurnedIntoTheCreaseOfTwoPlanes) {
   const auto [first_gap, second_gap] = heights_of(x, -0.0032, 0.001);
   EXPECT_NEAR(first_gap, 0, 1e-9);
   EXPECT_NEAR(second_gap, 0, 1e-9);
-  const auto [first_left, second_left] = heights_of(x, 0.0012, 0.0075);  // too high for its length
+  const auto [first_left, second_left] = heights_of(x, 0.0012, 0.0075);  // unreachable with this length
   EXPECT_LT(first_left, 0);
   EXPECT_LT(second_left, 0);
   EXPECT_NEAR(first_left / second_left, 0.0012 / 0.0075, 1e-6) << "as they ask of it";

@@ -1,4 +1,4 @@
-// The kernels for every Highway target.
+// Instantiates the kernels for every Highway target.
 #include "kernels/highway_targets.h"
 #include "tests/conformance/kernel_conformance.h"
 #undef HWY_TARGET_INCLUDE
@@ -9,7 +9,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace strandcast::HWY_NAMESPACE {
 
-// The order matters.
+// Each text requires the ones before it.
 // clang-format off
 #include "kernels/lanes_highway.inl"
 #include "tests/conformance/shaders/kernel_cases.h"

@@ -1,4 +1,5 @@
-// One step of every backend and solver against the oracle, without bodies among the rod's.
+// One step of every backend and solver against the oracle. Steps of the rod among bodies are in
+// bodies_conformance_test.cc, but for those with factors along strands.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +15,7 @@
 namespace strandcast {
 namespace {
 
-// m/s^2, as strong wind gives; it changes over some centimetres.
+// m/s^2, as large as those of strong wind; they vary over some centimetres.
 std::vector<Vec3> someAccelerations(const StrandModel& model) {
   std::vector<Vec3> out(model.vertices());
   for (size_t s = 0; s < model.strands(); ++s)
@@ -28,11 +29,11 @@ std::vector<Vec3> someAccelerations(const StrandModel& model) {
 TEST_P(Conformance, OneStepAgreesWithTheOracle) {
   const bool rod = parameters_.solver == SolverKind::kRod;
   const double tolerance = rod ? kRodOneStepTolerance : kOneStepTolerance;
-  // What the oracle says, which is the same for every backend: by solver, strands, case.
+  // Results of the oracle, shared by all backends; key: whether the rod, number of strands, case.
   static std::map<std::tuple<bool, size_t, std::string>, std::pair<StrandState, std::vector<double>>>
       known_steps;
   for (const size_t strands : {1, 7, 33, 257}) {
-    if (kSanitized && strands > 33) continue;  // the same code
+    if (kSanitized && strands > 33) continue;  // covers the same code
     StrandModel plain = awkwardModel(strands, 11), groomed = awkwardModel(strands, 11, groomedMaterials());
     Material rope;
     rope.tether = 1;
@@ -41,10 +42,10 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
     tieToBones(tied);
     const StrandState without_bodies = disturbedState(plain, 12), with_bodies = disturbedState(plain, 15);
     plain.rest_distance = groomed.rest_distance =
-        leftWhereTheyStart(with_bodies, movingBodies(parameters_.time_step));
+        restDistancesAtStart(with_bodies, movingBodies(parameters_.time_step));
     const std::vector<Pose> still, bones_end = movedBones(), head_end = {movedHead()};
     for (const StepCase& c : kStepCases) {
-      if (rod && c.bodies) continue;  // those are scored below
+      if (rod && c.bodies) continue;  // in bodies_conformance_test.cc
       const StrandState& from = c.bodies ? with_bodies : without_bodies;
       const Parameters parameters = parametersOf(c, parameters_);
       const StrandModel& model = c.groomed ? groomed : c.tied ? tied : c.tethered ? tethered : plain;
@@ -83,7 +84,7 @@ TEST_P(Conformance, OneStepAgreesWithTheOracle) {
 }
 
 TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {
-  // One vertex count: with accelerations, a GPU compiles programs of their own.
+  // One vertex count only: with accelerations a GPU compiles further programs per vertex count.
   StrandSet set;
   for (int n = 0; n < 20; ++n) {
     for (int i = 0; i < 17; ++i)
@@ -109,8 +110,8 @@ TEST_P(Conformance, AStepUnderAccelerationsAgreesWithTheOracle) {
   }
 }
 
-// Damping and friction that differ along strands, and masses; without bodies and, at rest but for them, among
-// some.
+// Damping, friction and masses that vary along strands: in a disturbed state without bodies, and among bodies
+// from rest.
 TEST_P(Conformance, AStepWithFactorsAlongStrandsAgreesWithTheOracle) {
   Material curved;
   curved.density_scale.knots = {{0, 1}, {1, 4}};
@@ -118,8 +119,8 @@ TEST_P(Conformance, AStepWithFactorsAlongStrandsAgreesWithTheOracle) {
   curved.friction_curve.knots = {{0, 0}, {1, 3}};
   const bool rod = parameters_.solver == SolverKind::kRod;
   parameters_.damping_time = 0.005f;
-  // Those of up to 31 vertices, for which a GPU compiles one program; without bodies gpu_rod_test has its
-  // rod.
+  // Strands of up to 31 vertices, for which a GPU compiles one program. gpu_rod_test covers the GPU's rod
+  // without bodies.
   const StrandModel awkward = awkwardModel(48, 11);
   StrandSet set;
   for (size_t s = 0; s < awkward.strands(); ++s) {
@@ -135,7 +136,7 @@ TEST_P(Conformance, AStepWithFactorsAlongStrandsAgreesWithTheOracle) {
     const StrandState from = among_bodies ? restState(model, model.rest_roots) : disturbedState(model, 12);
     const auto bodies = among_bodies ? movingBodies(parameters_.time_step) : std::vector<MovingPrimitive>();
     model.rest_distance.clear();
-    if (among_bodies) model.rest_distance = leftWhereTheyStart(from, bodies);
+    if (among_bodies) model.rest_distance = restDistancesAtStart(from, bodies);
     StrandModel without = model;
     without.damping_along.clear();
     without.friction_along.clear();

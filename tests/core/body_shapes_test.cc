@@ -1,5 +1,6 @@
-// Distances to bodies against what they are by definition. The signed distance to a convex body is the most,
-// over all directions n, of n.p - h(n), with the support function h(n) = the most of n.x over the body.
+// Compares signed distances to bodies with their definition. The signed distance from p to a convex body is
+// the maximum over unit directions n of n.p - h(n), with the support function h(n) = maximum of n.x over the
+// body.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -22,8 +23,8 @@ using Support = std::function<double(const Vector&)>;
 k::real3 lanes(const Vector& v) { return {v.x(), v.y(), v.z()}; }
 Vector vector(const k::real3& v) { return {v.x, v.y, v.z}; }
 
-// The best of 4000 directions spread over the sphere, then of ever smaller changes to it: a little less than
-// the truth where that stands on a ridge, never more.
+// Signed distance by search: the maximum over 4000 directions spread over the sphere, then refined by random
+// changes of decreasing size. Never above the true distance; slightly below it where the maximum is a ridge.
 double bruteForce(const Vector& p, const Support& support, std::mt19937& random) {
   double best = -1e9;
   Vector direction = Vector::UnitY();
@@ -46,8 +47,8 @@ double bruteForce(const Vector& p, const Support& support, std::mt19937& random)
 
 using Distance = std::function<double(const Vector&, Vector&)>;
 
-/// At random places: the distance is that to the plane before the body across the normal, and no direction
-/// tells of more.
+/// At random points: the distance is that to the supporting plane across the normal, and no direction gives a
+/// larger one.
 void expectExact(const Distance& distance, const Support& support) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> range(-0.25, 0.25);
@@ -169,7 +170,7 @@ TEST(BodyShapes, FieldsAreNearTheSurfaceWhatWasBakedAndNowhereFarther) {
   std::uniform_real_distribution<float> range(-0.2f, 0.2f);
   int stored = 0, deep = 0;
   for (int i = 0; i < 5000; ++i) {
-    const Vec3 p(range(random), 0.5f * range(random), range(random));  // from the middle of the ring
+    const Vec3 p(range(random), 0.5f * range(random), range(random));  // relative to the centre of the ring
     const float truth = std::hypot(std::hypot(p.x(), p.z()) - 0.08f, p.y()) - 0.04f;
     const float mine = signedDistance(ring, place.apply(p), shapes.words);
     if (std::fabs(truth) < 0.012f) {
@@ -185,7 +186,8 @@ TEST(BodyShapes, FieldsAreNearTheSurfaceWhatWasBakedAndNowhereFarther) {
   EXPECT_GT(deep, 100);
 }
 
-// Where the bent surface is: places whose rest is on the ring's. A bend of a third and more in 0.1 m.
+// The bent surface is the set of points whose rest position lies on the ring. The bend changes by a third or
+// more over 0.1 m.
 TEST(BodyShapes, ABentFieldIsWhereItsBendTakesTheSurface) {
   ShapeData shapes;
   const MovingPrimitive body = furtherBody(kFurtherKinds - 1, 0.01f, shapes);

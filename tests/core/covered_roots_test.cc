@@ -1,4 +1,4 @@
-// Bodies that cover the roots of hair: what is near these roots cannot get out.
+// Bodies that cover the roots of strands: vertices near such a root cannot leave the body.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace strandcast {
 namespace {
 
-constexpr float kRooted = 2e-3f;  // m, as deep are roots in the head
+constexpr float kRooted = 2e-3f;  // m, depth of the roots in the head
 
 ContactPrimitive sphere(float radius) {
   return {PrimitiveKind::kSphere, Vec3::Zero(), Vec3::UnitY(), radius, 0.3f};
@@ -30,7 +30,7 @@ class CoveredRoots : public testing::TestWithParam<SolverKind> {
     const double step = simulation.parameters().time_step;
     for (int i = 0; i * step < seconds; ++i) simulation.step();
   }
-  // Moves a body to `end` within a second.
+  // Moves a body from `begin` to `end` within one second.
   static void move(Simulation& simulation, BodyId body, const Vec3& begin, const Vec3& end) {
     const float step = simulation.parameters().time_step;
     for (float t = step; t < 1 + step / 2; t += step) {
@@ -43,7 +43,7 @@ class CoveredRoots : public testing::TestWithParam<SolverKind> {
     for (const Vec3& velocity : simulation.state().velocities) most = std::max<double>(most, velocity.norm());
     return most;
   }
-  // m, of all vertices in the head.
+  // m, greatest depth of any vertex in the head.
   static double deepestInHead(Simulation& simulation) {
     double deepest = 0;
     for (const Vec3& position : simulation.guides())

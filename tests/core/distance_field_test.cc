@@ -28,14 +28,14 @@ TEST(DistanceField, TheInterpolantIsTrilinearAndItsGradientExact) {
     for (int c = 0; c < 8; ++c)
       sum += v[c] * (c & 1 ? x : 1 - x) * (c >> 1 & 1 ? y : 1 - y) * (c >> 2 ? z : 1 - z);
     EXPECT_NEAR(at(x, y, z, gradient), sum, 1e-14);
-    // It is linear along each axis, so that differences are exact at any h.
+    // The interpolant is linear along each axis, so central differences are exact for any h.
     EXPECT_NEAR(gradient.x, (at(x + h, y, z, unused) - at(x - h, y, z, unused)) / (2 * h), 1e-12);
     EXPECT_NEAR(gradient.y, (at(x, y + h, z, unused) - at(x, y - h, z, unused)) / (2 * h), 1e-12);
     EXPECT_NEAR(gradient.z, (at(x, y, z + h, unused) - at(x, y, z - h, unused)) / (2 * h), 1e-12);
   }
 }
 
-// Three bricks in a row, the middle one stored, of the distance to a plane across them.
+// Distance field of a plane across a row of three bricks, of which only the middle one stores samples.
 DistanceField planeField() {
   DistanceField field;
   field.grid = {{-0.012f, 0, 0}, 0.001f, {3, 1, 1}, 0.003f, 1e-6f, 0, 0, 0};

@@ -1,4 +1,4 @@
-// What grooming does to strands, on the reference backend; the conformance suite holds the others to it.
+// Effects of grooming on the reference backend. The conformance suite compares the other backends with it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ Parameters parametersOf(SolverKind solver) {
   return parameters;
 }
 
-/// Hair of 20 cm from the origin along x, across gravity.
+/// A strand of 20 cm from the origin along x, perpendicular to gravity.
 Simulation level(const Parameters& parameters, const Material& material = {}, bool sag_free = false) {
   StrandModel model = modelOf({straightStrand(0.2, kEdges, Vec3::UnitX())}, material);
   if (sag_free) makeSagFree(model, parameters.gravity);
@@ -54,7 +54,7 @@ TEST(GoalPull, ALimpStrandSagsByGravityOverTheRateSquared) {
       Simulation simulation = level(parameters, limp());
       run(simulation, 4);
       const double exact = kGravity / (rate * rate);
-      // Away from the root, which does not sag.
+      // Vertices far from the root, which does not sag.
       for (const int i : {kEdges / 2, kEdges})
         EXPECT_NEAR(-simulation.guides()[i].y(), exact, 0.02 * exact)
             << solverName(solver) << ", rate " << rate << ", vertex " << i;
@@ -110,7 +110,7 @@ TEST(GoalPull, AFalloffOfNoPullChangesNothing) {
   for (const SolverKind solver : {SolverKind::kRod, SolverKind::kGaussSeidel}) {
     const Parameters parameters = parametersOf(solver);
     Material material;
-    material.goal_scale.knots = {{0, 1}, {1, 0.25f}};  // of a rate of 0
+    material.goal_scale.knots = {{0, 1}, {1, 0.25f}};  // scales goal_rate, which is 0
     Simulation plain = level(parameters);
     run(plain, 0.1);
     Simulation groomed = level(parameters, material);
@@ -153,7 +153,7 @@ TEST(MaterialFactors, DampingOfAPartIsAFactorOfTheGlobalOne) {
 }
 
 TEST(MaterialFactors, FrictionOfAPartIsAFactorOfTheBodys) {
-  // How far the wind drags the tip of limp hair that falls on a floor.
+  // Distance, m, that wind drags the tip of a limp strand that falls on a floor.
   auto slides = [](SolverKind solver, float friction, float scale) {
     Parameters parameters = parametersOf(solver);
     parameters.shape_rate = parameters.shape_rate_tip = 0;
@@ -185,8 +185,8 @@ TEST(MaterialFactors, AnEvenCurveIsTheFactorThatItIs) {
 }
 
 TEST(MaterialFactors, DampingOfTheInnerHalfIsMoreThanOfTheOuter) {
-  // Level hair falls and swings, without air. It bends near its root most, so what damps there takes most of
-  // the swing.
+  // A level strand falls and swings without air drag. It bends most near its root, so damping there removes
+  // most of the swing.
   Parameters parameters = parametersOf(SolverKind::kRod);
   parameters.air_drag = 0;
   parameters.damping_time = 0.1f;
@@ -195,7 +195,7 @@ TEST(MaterialFactors, DampingOfTheInnerHalfIsMoreThanOfTheOuter) {
     material.damping_curve = curve;
     Simulation simulation = level(parameters, material);
     run(simulation, 2);
-    float low = 0, high = -1;  // of the tip, m
+    float low = 0, high = -1;  // m, height of the tip
     for (int i = 0; i < 360; ++i) {
       simulation.step();
       low = std::min(low, simulation.guides()[kEdges].y());
@@ -214,7 +214,7 @@ TEST(MaterialFactors, DampingOfTheInnerHalfIsMoreThanOfTheOuter) {
 }
 
 TEST(MaterialFactors, FrictionIsThatOfThePlaceAlongTheStrand) {
-  // Limp hair lies on a floor, and wind blows across it: the half that the floor does not rub is blown away.
+  // A limp strand lies on a floor in a cross wind. The half without friction is blown away.
   auto blown = [](SolverKind solver, const RootTipCurve& curve) {
     Parameters parameters = parametersOf(solver);
     parameters.shape_rate = parameters.shape_rate_tip = 0;
@@ -248,7 +248,7 @@ TEST(Tethers, KeepLongHairFromStretching) {
     material.tether = tether;
     StrandModel model = modelOf({straightStrand(0.6, 100, Vec3::UnitX())}, material);
     Simulation simulation(std::move(model), {}, parameters, makeReferenceBackend());
-    double most = 0;  // of any vertex, distance from the root over arc length
+    double most = 0;  // greatest ratio of distance from the root to arc length
     for (int step = 0; step < 180; ++step) {
       simulation.step();
       for (int i = 1; i <= 100; ++i)

@@ -10,7 +10,7 @@
 namespace strandcast {
 namespace {
 
-/// Two strands of 11 vertices, 10 cm down from the origin and from 5 cm beside it.
+/// Two strands of 11 vertices that hang 10 cm down, from the origin and from 5 cm beside it.
 StrandModel twoStrands() {
   StrandSet set;
   for (const float x : {0.0f, 0.05f}) {
@@ -77,7 +77,7 @@ TEST(HairPull, TheTipFollowsTheHandAndTheOtherStrandDoesNot) {
         << solverName(solver) << ": as far as the hair's stiffness lets it";
     for (size_t v = 11; v < 22; ++v)
       EXPECT_EQ(simulation.guides()[v], alone.guides()[v]) << solverName(solver);
-    simulation.letGo();
+    simulation.releaseHair();
     for (int i = 0; i < 600; ++i) simulation.step();
     EXPECT_LT((simulation.guides()[10] - alone.guides()[10]).norm(), 0.02f) << solverName(solver);
   }
@@ -102,13 +102,13 @@ TEST(HairPull, WhatIsNotSoundIsRefused) {
   EXPECT_THROW(simulation.pullHair(Vec3::Zero(), -1, Vec3::Zero(), 10), Error);
   EXPECT_THROW(simulation.pullHair(Vec3::Zero(), 0.1f, nowhere, 10), Error);
   EXPECT_THROW(simulation.pullHair(Vec3::Zero(), 0.1f, Vec3::Zero(), 1e9f), Error);
-  EXPECT_THROW(simulation.pullHair(Vec3::Zero(), 0.1f, Vec3(0, 2 * kFarthestHand, 0), 10), Error);
+  EXPECT_THROW(simulation.pullHair(Vec3::Zero(), 0.1f, Vec3(0, 2 * kMaxHandCoordinate, 0), 10), Error);
   EXPECT_EQ(simulation.pulledVertices(), 0u);
 }
 
 TEST(HairPull, AHandAsFarAndAsHardAsItMayBreaksNothing) {
   Simulation simulation = hanging(SolverKind::kRod);
-  simulation.pullHair(Vec3::Zero(), 10, Vec3::Constant(kFarthestHand), 1000);
+  simulation.pullHair(Vec3::Zero(), 10, Vec3::Constant(kMaxHandCoordinate), 1000);
   for (int i = 0; i < 60; ++i) {
     simulation.step();
     EXPECT_EQ(simulation.resetBroken(), 0u) << i;

@@ -17,7 +17,7 @@ namespace {
 
 const Vec3 kGravity(0, -9.81f, 0);
 
-// The farthest that a vertex goes from its groomed place in `seconds` of motionless head.
+// Greatest distance, m, of a vertex from its groomed position within `seconds` under a motionless head.
 double drift(const StrandModel& model, double seconds, float hertz = 60) {
   Parameters parameters;
   parameters.solver = SolverKind::kRod;
@@ -81,8 +81,9 @@ TEST(SagFree, HairThatHangsStraightIsLeftAsItWas) {
   for (size_t j = 0; j < 31; ++j) EXPECT_LT((after.rest_strain[j] - before.rest_strain[j]).norm(), 1e-5f);
 }
 
-// Greenhill: a clamped upright rod buckles under its own weight at gamma = 7.837; it is to hold twice its
-// weight.
+// A clamped upright rod buckles under its own weight at gamma = 7.837 (Greenhill). makeSagFree() demands
+// stability under kWeightHeld = 2 times the weight. The limits bound the threshold between gamma 3.8
+// and 4.05.
 TEST(SagFree, StiffensUprightHairAboveGreenhillsLength) {
   auto upright = [](double gamma) {
     StrandSet set;
@@ -118,7 +119,7 @@ TEST(SagFree, StiffensWhatWouldHaveToBeWoundUp) {
   EXPECT_LT(drift(model, 3), 1e-4);
 }
 
-// An edge that turns back on the one before it: 2 tan(theta/2) has no value there.
+// The second edge doubles back on the first, where the strain 2 tan(theta / 2) is infinite.
 TEST(SagFree, AnExactFoldHasAFiniteRest) {
   StrandSet set;
   const std::vector<Vec3> fold = {Vec3(0, 0, 0), Vec3(0, -0.1f, 0), Vec3(0, -0.05f, 0),
@@ -130,7 +131,7 @@ TEST(SagFree, AnExactFoldHasAFiniteRest) {
     EXPECT_GT(model.bend[joint], 0) << joint;
     EXPECT_TRUE(model.rest_strain[joint].allFinite()) << joint;
   }
-  EXPECT_LT(drift(model, 1), 2 * 0.25);  // what its length allows; not so if it is not a number
+  EXPECT_LT(drift(model, 1), 2 * 0.25);  // bound by the strand's length; fails for NaN
 }
 
 TEST(SagFree, TenThousandStrandsAreQuick) {

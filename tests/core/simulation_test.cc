@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint64_t kGoldenHash = 9277578725521340165ull;
 
-// Two straight strands of 9 vertices and 16 cm along x from the origin and one curled, of 6.
+// Two straight strands of 9 vertices and 16 cm along x, and a curled one of 6 vertices.
 StrandModel smallModel() {
   StrandSet set;
   for (float z : {0.0f, 0.05f}) {
@@ -58,9 +58,9 @@ TEST(Simulation, AStrandAtRestWithoutGravityStaysAtRest) {
   Simulation simulation = makeSimulation(parameters);
   const StrandState before = simulation.state();
   for (int i = 0; i < 120; ++i) simulation.step();
-  // Rounding of the rest shape in its frames moves it by a few units in the last place of 16 cm (1.5e-8 m
-  // each), and does not grow: an angular constraint without its reaction on the edge before made the curl
-  // flutter by 4 cm here.
+  // Rounding of the rest shape in its frames moves vertices by a few units in the last place of 16 cm (1.5e-8
+  // m each), and does not grow. An angular constraint without its reaction on the preceding edge made the
+  // curl flutter by 4 cm here.
   EXPECT_LT(largestDistance(simulation.state(), before), 2e-7);
   for (const Vec3& velocity : simulation.state().velocities) EXPECT_LT(velocity.norm(), 2e-5f);
   EXPECT_NEAR(simulation.time(), 2.0, 1e-5);
@@ -92,7 +92,7 @@ TEST(Simulation, FreeVerticesFallAsGravitySays) {
   parameters.air_drag = 0;
   Simulation simulation = makeSimulation(parameters);
   simulation.step();
-  // Before the pull of the root arrives, the tip falls freely: symplectic Euler, g h^2 n (n + 1) / 2.
+  // Until constraints propagate from the root, the tip falls freely: symplectic Euler, g h^2 n (n + 1) / 2.
   const double h = parameters.time_step / parameters.substeps;
   EXPECT_NEAR(simulation.guides()[8].y(), -9.81 * h * h * 10, 2e-5);
 }
@@ -162,7 +162,7 @@ TEST(Simulation, TeleportCarriesTheHairRigidlyWithoutMotionInBetween) {
   EXPECT_LT(largestDistance(simulation.state(), expected), 1e-4) << "no step sees the way in between";
 }
 
-/// Largest difference between where the guides of both are, each from its own head.
+/// Largest distance, m, between corresponding guide vertices, each relative to its own head.
 double differenceOfShapes(Simulation& a, Simulation& b) {
   const std::span<const Vec3> of_a = a.guides(), of_b = b.guides();
   double worst = 0;
@@ -185,7 +185,8 @@ TEST(Simulation, FarFromTheOriginHairDoesAsItDoesAtIt) {
   EXPECT_EQ(far.origin(), there);
   double stretch = 0;
   for (int i = 0; i < 90; ++i) {
-    const Vec3 nod(0, static_cast<float>(i % 8) / 1024, 0);  // floats are as exact there
+    const Vec3 nod(0, static_cast<float>(i % 8) / 1024,
+                   0);  // multiples of 1/1024 m: representable in float at 1 km
     here.setHeadPose({nod, Quat::Identity()});
     far.setHeadPose({there + nod, Quat::Identity()});
     here.step();
@@ -275,9 +276,9 @@ TEST(Simulation, StandingBodiesStayWhereTheyAre) {
   EXPECT_LT(simulation.guides()[8].y(), -0.049f) << "the tip lies on the floor";
 }
 
-// The reference backend computes the same bits with every compiler and optimisation level, because
-// contraction is off and fused multiply-adds are asked for by name. A change here is a change of the physics:
-// say so in the change log.
+// The reference backend computes the same bits with every compiler and optimisation level: contraction is off
+// and fused multiply-adds are explicit. A change of the hash is a change of the physics; note it in the
+// change log.
 TEST(Simulation, TheReferenceBackendKeepsItsGoldenHash) {
   RigidBody head{{{PrimitiveKind::kSphere, Vec3(0.08f, -0.06f, 0), Vec3::UnitY(), 0.05f, 0.3f}}, true};
   Parameters parameters = gaussSeidel();
@@ -312,7 +313,8 @@ TEST(Simulation, AStrandThatWentWrongIsResetAlone) {
   EXPECT_EQ(simulation.resetBroken(), 0u);
 }
 
-// What a call says when it refuses its input; the simulation goes on as if it had not been made.
+// Error message of a call with invalid input. Checks the strong exception guarantee: later steps give the
+// same bits as without the call.
 std::string refusal(const std::function<void(Simulation&)>& call) {
   Simulation simulation = makeSimulation(Parameters()), untouched = makeSimulation(Parameters());
   std::string what;
@@ -366,7 +368,7 @@ TEST(Simulation, ParametersOutOfRangeAreRefused) {
   EXPECT_NE(wind.find("Simulation::setParameters"), std::string::npos) << wind;
   EXPECT_NE(with([&](Parameters& p) { p.time_step = nan; }).find("'time_step'"), std::string::npos);
   EXPECT_NE(with([](Parameters& p) { p.substeps = 0; }).find("'substeps'"), std::string::npos);
-  EXPECT_NE(with([](Parameters& p) { p.solver = SolverKind::kGaussSeidel; }).find("does not change"),
+  EXPECT_NE(with([](Parameters& p) { p.solver = SolverKind::kGaussSeidel; }).find("cannot change"),
             std::string::npos);
   EXPECT_NE(with([](Parameters& p) { p.solver = static_cast<SolverKind>(7); }).find("unknown solver"),
             std::string::npos);
@@ -456,11 +458,11 @@ TEST(Simulation, UnknownBodiesAndBadPosesAreRefused) {
     EXPECT_EQ(stateHash(simulation.state()), before);
   };
   const Pose nowhere{Vec3(0, std::numeric_limits<float>::quiet_NaN(), 0), Quat::Identity()};
-  refused([](Simulation& s) { s.setBodyPose(2, Pose()); }, "no body 2: Simulation::setBodyPose");
+  refused([](Simulation& s) { s.setBodyPose(2, Pose()); }, "unknown body 2: Simulation::setBodyPose");
   refused([](Simulation& s) { s.setBodyPose(0, Pose()); }, "follows the head");
   refused([&](Simulation& s) { s.setBodyPose(1, nowhere); }, "Simulation::setBodyPose");
-  refused([](Simulation& s) { s.removeBody(7); }, "no body 7: Simulation::removeBody");
-  refused([](Simulation& s) { s.bodyPose(7); }, "no body 7: Simulation::bodyPose");
+  refused([](Simulation& s) { s.removeBody(7); }, "unknown body 7: Simulation::removeBody");
+  refused([](Simulation& s) { s.bodyPose(7); }, "unknown body 7: Simulation::bodyPose");
   refused(
       [&](Simulation& s) {
         RigidBody bad = floorAt(0);
@@ -477,8 +479,8 @@ TEST(Simulation, UnknownBodiesAndBadPosesAreRefused) {
       "no extent: Simulation::addBody");
 }
 
-// The strands start 3 cm in a box and leave it: they stay as they are, and what is farther in than at rest is
-// pushed back.
+// Strands start 3 cm inside a box and leave it. Vertices inside at rest are exempt from contact; vertices
+// deeper than at rest are pushed back.
 TEST(Simulation, HairThatIsInItsBodyAtRestIsLetBe) {
   RigidBody scalp{{{PrimitiveKind::kBox, Vec3(-0.47f, 0, 0), Vec3::UnitY(), 0, 0.3f}}, true, true};
   scalp.primitives[0].extent = Vec3(0.5f, 0.5f, 0.5f);
@@ -492,7 +494,7 @@ TEST(Simulation, HairThatIsInItsBodyAtRestIsLetBe) {
   for (int i = 0; i < 30; ++i) simulation.step();
   EXPECT_LT(largestDistance(simulation.state(), rest), 1e-5) << "nothing pops";
   EXPECT_LT(simulation.measure().max_penetration, 1e-5);
-  parameters.gravity = Vec3(-9.81f, -1, 0);  // hair that stands upright on it would go on standing
+  parameters.gravity = Vec3(-9.81f, -1, 0);  // oblique: hair upright on the box would stay upright
   simulation.setParameters(parameters);
   for (int i = 0; i < 60; ++i) simulation.step();
   EXPECT_GT(largestDistance(simulation.state(), rest), 0.01) << "hair falls towards the box";

@@ -1,4 +1,5 @@
-// Joints of straight hair, in the world, against the law of all hair, in frames.
+// Compares kernels/straight_joint.h, in world vectors, with the joint law of kernels/rod.h in material
+// frames.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -12,8 +13,7 @@ class StraightJoint : public testing::Test {
  protected:
   double draw() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
   real3 drawVector() { return makeReal3(draw(), draw(), draw()); }
-  // Edges that make an angle of up to a right one, their frames without twist, and how they turn in a
-  // substep.
+  // Draws two edges at an angle of up to 90 degrees, their twist-free frames, and their motion in a substep.
   void drawEdges() {
     const real3 root = makeReal3(0, 0, 1);
     inner_ = normalizeOrZero(drawVector());
@@ -38,7 +38,7 @@ TEST_F(StraightJoint, BendsAsInFrames) {
     const real3 strain = rotate(inner_frame_, jointStrain(inner_frame_, outer_frame_));
     EXPECT_LT(length(straightStrain(inner_, outer_) - strain), 1e-12);
   }
-  // Near a full fold, where the law is capped.
+  // Near a full fold, where cappedCosine() limits the strain.
   for (const double angle : {2.0, 2.7, 2.8, 3.0, 3.1}) {
     inner_ = makeReal3(0, 0, 1);
     outer_ = makeReal3(std::sin(angle), 0, std::cos(angle));
@@ -76,7 +76,7 @@ TEST_F(StraightJoint, IsDampedAsInFrames) {
     const double torque = straightTorque(world, gain, bend * ahead);
     EXPECT_NEAR(torque, torqueDifference(strain, strain + damped, bend), 1e-12);
 
-    // With twist in balance, so that what joints after this one twist with goes through it.
+    // In twist balance, the joint also transmits the torque `beyond` of the joints after it.
     const double beyond = draw();
     const real3 excess = makeReal3(strain.x + damped.x, strain.y + damped.y, torque + 2 * beyond);
     const real3 moment = jointMoment(inner_frame_, strain, excess, bend, 1);

@@ -31,7 +31,8 @@ TEST(StrandModel, KeepsTheRestShapeInTheRootFrame) {
   const StrandSet set = oneStrand({{1, 2, 3}, {1, 3, 3}, {2, 3, 3}});
   const StrandModel model = makeStrandModel(set);
   EXPECT_EQ(model.rest_local[0], Vec3(0, 0, 0));
-  // z is the rest tangent at the root: half the first joint's turn of 90 degrees before the first edge.
+  // z is the rest tangent at the root: it precedes the first edge by half of the 90 degrees of the first
+  // joint.
   EXPECT_NEAR(model.rest_local[1].z(), std::cos(0.25 * 3.14159265), 1e-6);
   EXPECT_NEAR(model.rest_local[1].norm(), 1, 1e-6);
   EXPECT_TRUE(model.isPinned(0, 0));
@@ -44,7 +45,7 @@ TEST(StrandModel, KeepsTheRestShapeInTheRootFrame) {
   }
 }
 
-// By how much edges are longer or shorter than their mean, over what that may be where they are even.
+// Greatest relative deviation of edge lengths from their mean, divided by evenTolerance().
 float unevenness(const StrandModel& model) {
   const float mean = arcLength(model.rest_local) / static_cast<float>(model.vertices() - 1);
   float most = 0;
@@ -56,7 +57,7 @@ float unevenness(const StrandModel& model) {
 TEST(StrandModel, EdgesThatOnlyRoundingTellsApartAreEven) {
   for (const double far : {0.0, 1.7, 30.0, 3000.0}) {
     std::vector<Vec3> points;
-    for (int i = 0; i < 40; ++i)  // a helix of edges of 2 mm
+    for (int i = 0; i < 40; ++i)  // a helix with edges of 2 mm
       points.push_back(
           Eigen::Vector3d(far + 0.008 * std::cos(0.2 * i), far - 0.0012 * i, 0.008 * std::sin(0.2 * i))
               .cast<float>());
@@ -79,7 +80,7 @@ TEST(StrandModel, ATaperedStrandIsLighterAndSofterTowardsItsTip) {
   tapered.radius_scale.knots = {{0, 1}, {1, 0.5f}};
   const StrandModel even = makeStrandModel(set), model = makeStrandModel(set, {tapered});
   for (int j = 1; j < 4; ++j) {
-    // Means over the cell of the squared radius, and of one over its fourth power.
+    // Means over the cell: of radius^2 for mass, of radius^-4 (harmonic mean of stiffness) for bending.
     const double from = 1 - 0.125 * (j - 0.5), to = 1 - 0.125 * (j + 0.5);
     EXPECT_NEAR(model.bend[j] * model.reference_mass[0] / (even.bend[j] * even.reference_mass[0]),
                 3 * (from - to) / (std::pow(to, -3) - std::pow(from, -3)), 1e-5);
@@ -93,7 +94,7 @@ TEST(StrandModel, AJointBendsAsTheRodAroundItDoes) {
   Material stepped;
   stepped.stiffness_scale.knots = {{0.3f, 1}, {0.3f, 0.1f}};
   const StrandModel even = makeStrandModel(set), model = makeStrandModel(set, {stepped});
-  // The cell of joint 1 goes from 0.5 to 2, the jump is at 1.2.
+  // The cell of joint 1 spans arc lengths 0.5 to 2 m; stiffness jumps at 1.2 m.
   const double factors[] = {1, 1.5 / (0.7 + 0.8 / 0.1), 0.1};
   for (int j = 0; j < 3; ++j) {
     EXPECT_NEAR(model.bend[j] / even.bend[j], factors[j], 1e-5) << j;
@@ -107,9 +108,9 @@ TEST(StrandModel, ADensityCurveIsMassAndNothingElse) {
   Material growing, stepped;
   growing.density_scale.knots = {{0, 1}, {1, 3}};
   stepped.density_scale.knots = {{0.3f, 1}, {0.3f, 5}};
-  const double ends[] = {0, 0.5, 2, 3.5, 4};                          // of the cells of vertices
-  const double growing_factors[] = {1.125, 1.625, 2.375, 2.875};      // 1 + x / 2 in their middles
-  const double stepped_factors[] = {1, (0.7 + 0.8 * 5) / 1.5, 5, 5};  // the jump is at 1.2
+  const double ends[] = {0, 0.5, 2, 3.5, 4};  // arc lengths, m, that bound the vertex cells
+  const double growing_factors[] = {1.125, 1.625, 2.375, 2.875};      // 1 + x / 2 at the centres of cells
+  const double stepped_factors[] = {1, (0.7 + 0.8 * 5) / 1.5, 5, 5};  // density jumps at 1.2 m
   const StrandModel even = makeStrandModel(set);
   for (const bool grows : {true, false}) {
     const StrandModel model = makeStrandModel(set, {grows ? growing : stepped});
@@ -290,7 +291,8 @@ TEST(StrandModel, AModelThatIsNotSoundIsRefused) {
   EXPECT_NE(complaint([](StrandModel& m) { m.root_bones = {1}; }).find("root_bones"), std::string::npos);
   EXPECT_NE(complaint([](StrandModel& m) { m.twist[0] = 1e30f; }).find("twist"), std::string::npos);
   const StrandModel model = makeStrandModel(oneStrand({{0, 0, 0}, {0, 1, 0}}));
-  EXPECT_NE(errorOf([&] { restState(model, {}); }).find("0 roots for 1 strands"), std::string::npos);
+  EXPECT_NE(errorOf([&] { restState(model, {}); }).find("0 roots are given for 1 strands"),
+            std::string::npos);
 }
 
 TEST(StrandModel, SomeOfTheGroomingAloneIsRefused) {

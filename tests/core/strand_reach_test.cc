@@ -16,7 +16,8 @@ std::vector<Pose> halfway(const std::vector<Pose>& begin, const std::vector<Pose
   return out;
 }
 
-// Whether the box holds all that a strand of its length can touch from its root, on six sides.
+// Whether the box contains, along the six axis directions, all points that a strand of this length can touch
+// from its root.
 bool holds(const Box& box, const Vec3& root, float length) {
   for (int axis = 0; axis < 3; ++axis)
     for (const float side : {-1.0f, 1.0f})

@@ -25,10 +25,10 @@ class GpuAir : public testing::Test {
   }
   static void TearDownTestSuite() { gpu_.reset(); }
 
-  static inline std::unique_ptr<Backend> gpu_;  // one for all: its programs take long to compile
+  static inline std::unique_ptr<Backend> gpu_;  // shared by all tests: its shaders take long to compile
 };
 
-// Everything that moves air but hair, from the same air at the start.
+// A wind after a step and one more advection, with everything that moves air except hair.
 std::unique_ptr<Wind> blown(const AirMaker& maker, bool mac_cormack, Wind::Border border) {
   std::unique_ptr<Wind> wind = maker.wind(kCells, 0.05f, border);
   Parameters parameters;
@@ -80,7 +80,8 @@ TEST_F(GpuAir, WindIsThatOfTheReference) {
   }
 }
 
-// One in still air, a small one that draws air in, and one half in a ball, which move; then none.
+// Three moving spheres: one in still air, a small one that draws air in, and one half inside a ball. Then
+// none.
 TEST_F(GpuAir, SpheresOfWindBlowAsOnTheReference) {
   WindSource large;
   large.kind = WindSource::Kind::kSphere;
@@ -139,8 +140,7 @@ TEST_F(GpuAir, SpheresOfWindBlowAsOnTheReference) {
   }
 }
 
-// A squeezed tuft of tapered hair with strands of several counts of vertices, some of edges longer than
-// cells.
+// A compressed tuft of tapered hair. Strands differ in vertex count; some edges are longer than a cell.
 struct Tuft {
   StrandModel model;
   StrandState state;
@@ -184,23 +184,23 @@ struct Felt {
   std::vector<Vec3> accelerations;
   AirSample beside;  ///< in the lee of the hair
 };
-/// What `steps` steps of the surroundings alone come to at last.
+/// Accelerations and air after `steps` steps of the air system alone; the strands are not stepped.
 Felt felt(const AirMaker& maker, Backend& backend, const Tuft& tuft, const Parameters& parameters,
           std::vector<WindSource> sources = {}, int steps = 2) {
-  const std::unique_ptr<Surroundings> surroundings = maker.surroundings(std::move(sources));
+  const std::unique_ptr<ExternalForces> air_system = maker.make(std::move(sources));
   backend.load(tuft.model, tuft.state);
-  surroundings->configure(tuft.model, parameters, backend);
+  air_system->configure(tuft.model, parameters, backend);
   const std::vector<Pose> bones{
       {Vec3(0.003f, 0, 0), Quat(Eigen::AngleAxisf(0.3f, Eigen::Vector3f::UnitX()))}};
   for (int step = 0; step < steps; ++step) {
     StepInput input;
     input.parameters = &parameters;
     input.bones_begin = input.bones_end = bones;
-    surroundings->step(input, backend);
+    air_system->step(input, backend);
   }
-  const std::span<const Vec3> out = surroundings->accelerations();
+  const std::span<const Vec3> out = air_system->accelerations();
   Felt felt{{out.begin(), out.end()}, {}};
-  const AirFields* fields = airFields(surroundings.get());
+  const AirFields* fields = airFields(air_system.get());
   if (fields->hasWind()) felt.beside = fields->at(Vec3(0.08f, -0.1f, 0.06f));
   return felt;
 }
@@ -295,7 +295,7 @@ TEST_F(GpuAir, StrandsFeelWhatTheyFeelOnTheReference) {
   }
 }
 
-// What it had of others, from configure() on and between steps, is gone.
+// setSources() replaces all earlier sources: those of configure() and those of earlier calls.
 TEST_F(GpuAir, TakesOtherSourcesBetweenSteps) {
   const Tuft tuft;
   for (const int grid : {0, 1}) {
@@ -311,17 +311,17 @@ TEST_F(GpuAir, TakesOtherSourcesBetweenSteps) {
     ball.kind = WindSource::Kind::kSphere;
     const std::vector<WindSource> one{fan, ball}, others{other, ball, other, ball};
     const auto twoSteps = [&](const std::vector<WindSource>& made, const std::vector<WindSource>& told) {
-      const std::unique_ptr<Surroundings> surroundings = gpuAir().surroundings(made);
+      const std::unique_ptr<ExternalForces> air_system = gpuAir().make(made);
       gpu_->load(tuft.model, tuft.state);
-      surroundings->configure(tuft.model, parameters, *gpu_);
+      air_system->configure(tuft.model, parameters, *gpu_);
       StepInput input;
       input.parameters = &parameters;
       for (int step = 0; step < 2; ++step) {
-        steeredAir(surroundings.get())->setSources(made);
-        steeredAir(surroundings.get())->setSources(told);
-        surroundings->step(input, *gpu_);
+        steeredAir(air_system.get())->setSources(made);
+        steeredAir(air_system.get())->setSources(told);
+        air_system->step(input, *gpu_);
       }
-      const std::span<const Vec3> out = surroundings->accelerations();
+      const std::span<const Vec3> out = air_system->accelerations();
       return std::vector<Vec3>(out.begin(), out.end());
     };
     const std::vector<Vec3> none = twoSteps({}, {}), blown = twoSteps(one, one);
@@ -333,7 +333,8 @@ TEST_F(GpuAir, TakesOtherSourcesBetweenSteps) {
   }
 }
 
-// Its pressure takes no more iterations than steps before took, and one more.
+// projectAhead() solves with one iteration more than the step before last took, which is few for a new
+// source.
 TEST_F(GpuAir, ASphereThatIsSwitchedOnWhileOthersRunSoonBlows) {
   const Tuft tuft;
   Parameters parameters = everything();
@@ -344,16 +345,16 @@ TEST_F(GpuAir, ASphereThatIsSwitchedOnWhileOthersRunSoonBlows) {
   ball.position = Vec3(0.1f, 0, 0);
   ball.radius = 0.05f;
   const auto blown = [&](const AirMaker& maker, Backend& backend) {
-    const std::unique_ptr<Surroundings> surroundings = maker.surroundings({});
+    const std::unique_ptr<ExternalForces> air_system = maker.make({});
     backend.load(tuft.model, tuft.state);
-    surroundings->configure(tuft.model, parameters, backend);
+    air_system->configure(tuft.model, parameters, backend);
     StepInput input;
     input.parameters = &parameters;
     for (int step = 0; step < 14; ++step) {
-      if (step == 8) steeredAir(surroundings.get())->setSources({ball});
-      surroundings->step(input, backend);
+      if (step == 8) steeredAir(air_system.get())->setSources({ball});
+      air_system->step(input, backend);
     }
-    return airFields(surroundings.get())->at(ball.position + Vec3(0.07f, 0, 0)).wind;
+    return airFields(air_system.get())->at(ball.position + Vec3(0.07f, 0, 0)).wind;
   };
   const std::unique_ptr<Backend> reference = makeReferenceBackend();
   const Vec3 truth = blown(cpuAir("reference"), *reference);
@@ -371,16 +372,16 @@ TEST_F(GpuAir, EveryRunGivesTheSameBitsAndHairAtRestFeelsNothing) {
   parameters.wind_grid = 0;
   parameters.turbulence = 0;
   parameters.air_drag_along = 1;
-  const std::unique_ptr<Surroundings> surroundings = gpuAir().surroundings({});
+  const std::unique_ptr<ExternalForces> air_system = gpuAir().make({});
   gpu_->load(tuft.model, tuft.state);
-  surroundings->configure(tuft.model, parameters, *gpu_);
+  air_system->configure(tuft.model, parameters, *gpu_);
   StepInput input;
   input.parameters = &parameters;
-  surroundings->step(input, *gpu_);
-  for (const Vec3& acceleration : surroundings->accelerations()) EXPECT_EQ(acceleration, Vec3(Vec3::Zero()));
+  air_system->step(input, *gpu_);
+  for (const Vec3& acceleration : air_system->accelerations()) EXPECT_EQ(acceleration, Vec3(Vec3::Zero()));
 }
 
-// With the solver whose shaders are the quicker to compile; both read accelerations in the same way.
+// Uses the PBD solver, whose shaders compile faster; both solvers read accelerations in the same way.
 TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpuAlsoFarFromTheOrigin) {
   const Tuft tuft;
   Parameters parameters = everything();
@@ -389,17 +390,17 @@ TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpuAlsoFarFromTheOrigin) {
     std::vector<Vec3> positions;
     Vec3 wind;
   };
-  // Both from `at`, where all of it is.
+  // Results are relative to `at`, the position of the whole scene.
   auto run = [&](std::unique_ptr<Backend> backend, const AirMaker& maker, const Vec3& at) {
     WindSource fan;
     fan.position = at + Vec3(0, -0.1f, -0.1f);
     fan.speed = 4;
-    Simulation simulation(tuft.model, {}, parameters, std::move(backend), maker.surroundings({fan}));
+    Simulation simulation(tuft.model, {}, parameters, std::move(backend), maker.make({fan}));
     simulation.teleport({at, Quat::Identity()});
     for (int step = 0; step < 5; ++step) simulation.step();
     Run out;
     for (const Vec3& position : simulation.guides()) out.positions.push_back(position - at);
-    const AirFields* const fields = airFields(simulation.surroundings());
+    const AirFields* const fields = airFields(simulation.externalForces());
     EXPECT_TRUE(fields->box().contains(Eigen::Vector3f(at)));
     out.wind = fields->at(at + Vec3(0, -0.1f, 0)).wind;
     return out;
@@ -418,10 +419,10 @@ TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpuAlsoFarFromTheOrigin) {
   EXPECT_LT(off, 2e-2 * way);
 }
 
-// Two heads walk past a fan; the origin of the first follows it, that of the second stays where it is.
+// Two heads walk past a fan. The first simulation rebases its origin to follow the head; the second does not.
 TEST_F(GpuAir, AirStaysInItsPlaceWhenTheOriginFollowsTheHead) {
   const Tuft tuft;
-  const Vec3 start(3.75f, 0, 0), pace(0.1875f, 0, 0.0625f);  // m; in a step
+  const Vec3 start(3.75f, 0, 0), pace(0.1875f, 0, 0.0625f);  // m; m per step
   for (const int grid : {0, 1}) {
     SCOPED_TRACE(grid);
     Parameters parameters = everything();
@@ -432,7 +433,7 @@ TEST_F(GpuAir, AirStaysInItsPlaceWhenTheOriginFollowsTheHead) {
     fan.position = start + 23 * pace;
     fan.radius = fan.length = 1;
     const auto walker = [&] {
-      return Simulation(tuft.model, {}, parameters, makeGpuBackend(), gpuAir().surroundings({fan}));
+      return Simulation(tuft.model, {}, parameters, makeGpuBackend(), gpuAir().make({fan}));
     };
     Simulation follows = walker(), stays = walker();
     for (Simulation* simulation : {&follows, &stays}) simulation->teleport({start, Quat::Identity()});
@@ -446,9 +447,10 @@ TEST_F(GpuAir, AirStaysInItsPlaceWhenTheOriginFollowsTheHead) {
       const std::span<const Vec3> at = follows.guides(), truth = stays.guides();
       for (size_t v = 0; v < at.size(); ++v) off = std::max<double>(off, (at[v] - truth[v]).norm());
       if (follows.origin().isZero()) continue;
-      const Vec3 in_hair = truth[tuft.model.offsets[61] + 3] - 0.5f * pace;  // on grids, half a step ago
-      const AirSample seen = airFields(follows.surroundings())->at(in_hair),
-                      known = airFields(stays.surroundings())->at(in_hair);
+      const Vec3 in_hair =
+          truth[tuft.model.offsets[61] + 3] - 0.5f * pace;  // where the grids have it: half a step ago
+      const AirSample seen = airFields(follows.externalForces())->at(in_hair),
+                      known = airFields(stays.externalForces())->at(in_hair);
       wind_off = std::max<double>(wind_off, (seen.wind - known.wind).norm());
       density_off = std::max<double>(density_off, std::fabs(seen.density - known.density));
       most_density = std::max<double>(most_density, known.density);
@@ -465,8 +467,8 @@ TEST_F(GpuAir, AfterAResetAndWhereItWasSwitchedOffItIsAsAtTheStart) {
   Parameters windy = everything();
   windy.solver = SolverKind::kGaussSeidel;
   windy.gust = 0.5f;
-  Simulation simulation(tuft.model, {}, windy, std::move(gpu_), gpuAir().surroundings({}));
-  const auto wind = [&] { return airFields(simulation.surroundings())->at(Vec3(0, -0.1f, 0.1f)).wind; };
+  Simulation simulation(tuft.model, {}, windy, std::move(gpu_), gpuAir().make({}));
+  const auto wind = [&] { return airFields(simulation.externalForces())->at(Vec3(0, -0.1f, 0.1f)).wind; };
   Vec3 winds[2];
   for (Vec3& seen : winds) {
     simulation.reset();
@@ -486,23 +488,23 @@ TEST_F(GpuAir, AfterAResetAndWhereItWasSwitchedOffItIsAsAtTheStart) {
   EXPECT_LT(wind().norm(), 0.1f);
 }
 
-// Settings change while nothing steps: what was seen of the old grids is not taken for the new ones.
+// configure() between steps replaces the grids: queries must not use downloaded data of the old ones.
 TEST_F(GpuAir, WhatIsSeenIsOfTheGridsThatThereAre) {
   const Tuft tuft;
   if (!gpu_) gpu_ = makeGpuBackend();
   gpu_->load(tuft.model, tuft.state);
-  const std::unique_ptr<Surroundings> surroundings = gpuAir().surroundings({});
-  const AirFields& fields = *airFields(surroundings.get());
+  const std::unique_ptr<ExternalForces> air_system = gpuAir().make({});
+  const AirFields& fields = *airFields(air_system.get());
   Parameters parameters = everything();
   parameters.turbulence = 0;
-  surroundings->configure(tuft.model, parameters, *gpu_);
+  air_system->configure(tuft.model, parameters, *gpu_);
   StepInput input;
   input.parameters = &parameters;
-  surroundings->step(input, *gpu_);
+  air_system->step(input, *gpu_);
   const float old_cell = fields.cell();
   EXPECT_GT(fields.at(fields.box().center()).wind.norm(), 0);
   parameters.grid_cells *= 2;
-  surroundings->configure(tuft.model, parameters, *gpu_);
+  air_system->configure(tuft.model, parameters, *gpu_);
   EXPECT_LT(fields.cell(), old_cell);
   for (const float place : {0.1f, 0.5f, 0.9f}) {
     const AirSample seen = fields.at(fields.box().min() + place * fields.box().sizes());
@@ -515,7 +517,7 @@ TEST_F(GpuAir, NeedsTheStrandsOnTheSameGpu) {
   const Tuft tuft;
   const std::unique_ptr<Backend> reference = makeReferenceBackend();
   reference->load(tuft.model, tuft.state);
-  EXPECT_THROW(gpuAir().surroundings({})->configure(tuft.model, everything(), *reference), Error);
+  EXPECT_THROW(gpuAir().make({})->configure(tuft.model, everything(), *reference), Error);
 }
 
 }  // namespace

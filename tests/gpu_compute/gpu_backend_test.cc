@@ -147,7 +147,7 @@ class GpuBackend : public testing::Test {
   void step(std::span<const MovingPrimitive> bodies = {}, const NearBodyLists* near = nullptr) {
     backend_->step({&parameters_, {}, {}, bodies, {}, nullptr, near});
   }
-  // As Simulation lists them.
+  // Near-body lists as Simulation makes them.
   NearBodyLists bodiesNear(std::span<const MovingPrimitive> bodies) const {
     std::vector<Box> boxes;
     for (const MovingPrimitive& body : bodies) boxes.push_back(sweptBox(body));
@@ -191,7 +191,7 @@ TEST_F(GpuBackend, MayBeCalledFromOneThreadAfterAnother) {
 TEST_F(GpuBackend, GuidesAreThoseOfTheNewestStepOfMany) {
   const StrandState from = disturbedState(model_, 102);
   backend_->upload(from);
-  for (int i = 0; i < 7; ++i) step();  // more than there are slots, none read in between
+  for (int i = 0; i < 7; ++i) step();  // more than the upload ring has slots, without a read
   StrandState state;
   const std::span<const Vec3> guides = backend_->guides();
   backend_->download(state);
@@ -199,8 +199,8 @@ TEST_F(GpuBackend, GuidesAreThoseOfTheNewestStepOfMany) {
   EXPECT_TRUE(std::equal(guides.begin(), guides.end(), state.positions.begin()));
 }
 
-// Listed for their neighbourhoods: llvmpipe ends every loop of an invocation after 65,535 rounds of all of
-// them together, and looking at 1000 bodies for every vertex takes more.
+// Uses near-body lists: llvmpipe ends an invocation's loops after 65,535 iterations in all, and contact
+// queries of 1000 bodies for every vertex take more.
 TEST_F(GpuBackend, TakesMoreBodiesThanBefore) {
   std::vector<MovingPrimitive> bodies = movingBodies(parameters_.time_step);
   step(bodies);
@@ -219,7 +219,7 @@ TEST_F(GpuBackend, TakesMoreBodiesThanBefore) {
   EXPECT_EQ(stateHash(many), stateHash(few)) << "bodies far away change nothing";
 }
 
-// llvmpipe measures no time of a dispatch: its GL_TIME_ELAPSED is 0.
+// llvmpipe does not measure the time of a dispatch: its GL_TIME_ELAPSED is 0.
 TEST_F(GpuBackend, ATimeThatTheDriverDoesNotMeasureIsNoneAndNotZero) {
   for (int i = 0; i < 6; ++i) {
     step();
@@ -238,7 +238,8 @@ TEST_F(GpuBackend, LoadsOneModelAfterAnother) {
   }
 }
 
-// 32-invocation workgroups of 8 short strands each: 600,000 strands are more groups than one axis takes.
+// Workgroups of 32 invocations with 8 short strands each: 600,001 strands exceed the workgroup limit of one
+// axis.
 TEST_F(GpuBackend, TakesMoreStrandsThanOneAxisOfWorkgroups) {
   StrandSet set;
   for (int s = 0; s < 600'001; ++s)

@@ -1,4 +1,4 @@
-// The rod on the GPU: its variants against the oracle, its state, and what it must survive.
+// The rod on the GPU: its variants against the oracle, round-trips of its state, and robustness.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,8 +15,9 @@
 namespace strandcast {
 namespace {
 
-/// Strands that grow outwards and up from a disc, each an arc of a helix; vertex counts in turn. `uneven`:
-/// edges grow towards the tip and the hair gets thinner; `tapered`: it gets thinner only.
+/// Strands that grow outwards and up from a disc, each an arc of a helix, with cyclic vertex counts. `length`
+/// in m. `uneven`: edges get longer and the hair thinner towards the tip; `tapered`: the hair gets thinner
+/// only.
 StrandModel arcs(size_t strands, const std::vector<int>& counts, float length, bool uneven,
                  float stiffness = 1, bool tapered = false) {
   StrandSet set;
@@ -40,7 +41,8 @@ StrandModel arcs(size_t strands, const std::vector<int>& counts, float length, b
   return makeStrandModel(set, {material});
 }
 
-// Straight strands in all directions; vertex counts in turn. `uneven`: edges grow towards the tip.
+// Straight strands in all directions, of 31 edges. `uneven`: of 10 to 15 edges that get longer towards the
+// tip.
 StrandModel straightHair(size_t strands, float length, bool uneven, const Material& material = {}) {
   StrandSet set;
   for (size_t s = 0; s < strands; ++s) {
@@ -61,7 +63,8 @@ double lengthOf(const StrandModel& model, size_t s) {
   return arcLength({model.rest_local.data() + model.offsets[s], model.verticesOf(s)});
 }
 
-// The largest distance between two states over a strand's length, infinity where one is not finite.
+// The largest distance between vertices of two states, relative to the strand's length; infinity if not
+// finite.
 double difference(const StrandModel& model, const StrandState& a, const StrandState& b) {
   double worst = 0;
   for (size_t s = 0; s < model.strands(); ++s) {
@@ -76,10 +79,10 @@ double difference(const StrandModel& model, const StrandState& a, const StrandSt
 
 struct Deviation {
   double position = 0;  // m
-  double turn = 0;      // rad, of frames
+  double turn = 0;      // rad, of material frames
 };
 
-// Of each strand, the largest.
+// The largest deviation between two states, per strand.
 std::vector<Deviation> deviations(const StrandModel& model, const StrandState& a, const StrandState& b) {
   std::vector<Deviation> out(model.strands());
   for (size_t s = 0; s < out.size(); ++s) {
@@ -92,7 +95,7 @@ std::vector<Deviation> deviations(const StrandModel& model, const StrandState& a
   return out;
 }
 
-// How many strands have a vertex that is farther off than this part of the strand's length.
+// The number of strands with a vertex that deviates by more than `part` of the strand's length.
 size_t strandsOff(const StrandModel& model, const StrandState& a, const StrandState& b, double part) {
   const std::vector<Deviation> error = deviations(model, a, b);
   size_t off = 0;
@@ -100,7 +103,7 @@ size_t strandsOff(const StrandModel& model, const StrandState& a, const StrandSt
   return off;
 }
 
-// The largest at any joint but the roots', rad.
+// The largest twist at any joint but the roots', rad.
 double twist(const StrandModel& model, const StrandState& state) {
   double most = 0;
   for (size_t s = 0; s < model.strands(); ++s) {
@@ -129,13 +132,13 @@ class GpuRod : public testing::Test {
     backend.download(state);
     return state;
   }
-  // Where `model` comes to rest, from its rest shape.
+  // State of `model` after kSettle steps from its rest shape.
   StrandState settled(const StrandModel& model) {
     return run(*backend_, model, restState(model, model.rest_roots), kSettle);
   }
-  // A strand may differ as the conformance test allows. Where the float reference is off too, because a
-  // strand is too sensitive or grazes a body in one precision only, the GPU may be as often, and on one
-  // strand in a hundred more (seen: 4 of 600).
+  // A strand may deviate within the tolerance of the conformance test. The float reference exceeds it for
+  // some strands too: sensitive ones, and those that graze a body in one precision only. The GPU may exceed
+  // it for as many strands, and one in a hundred more (seen: 4 of 600).
   void expectOneStepAgrees(const StrandModel& model, const StrandState& from,
                            const std::vector<MovingPrimitive>& bodies, bool frames = true) {
     const StrandState truth = run(*makeOracleBackend(), model, from, 1, bodies);
@@ -165,13 +168,13 @@ class GpuRod : public testing::Test {
 
   static constexpr int kSettle = 240;  // steps: 4 s
   Parameters parameters_;
-  std::unique_ptr<Backend> backend_;       // few strands go in one turn, as on any GPU
-  std::unique_ptr<Backend> in_two_turns_;  // calm ones by a program of their own
+  std::unique_ptr<Backend> backend_;       // default: a small model is solved in one dispatch
+  std::unique_ptr<Backend> in_two_turns_;  // first dispatch without the dense metric, then one with it
 };
 
-// 600 strands are enough for programs of their own: uniform and general, of one length and of mixed ones.
-// Among bodies, where programs take longest to compile, two of the four. Uniform hair of one length is most
-// hair.
+// 600 strands are enough for shader variants of their own: uniform and uneven strands, of one vertex count
+// and of mixed ones. Among bodies, where variants take longest to compile, only two of the four. Without
+// thorough(): only uniform strands of one vertex count, the most common hair.
 TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
   for (const std::vector<int>& counts : {std::vector<int>{32}, {16, 13, 17}}) {
     for (const bool uneven : {false, true}) {
@@ -179,7 +182,7 @@ TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
       const bool one_length = counts.size() == 1;
       StrandModel model = arcs(600, counts, 0.2f, uneven);
       const StrandState from = disturbedState(model, 7);
-      model.rest_distance = leftWhereTheyStart(from, movingBodies(parameters_.time_step));
+      model.rest_distance = restDistancesAtStart(from, movingBodies(parameters_.time_step));
       for (const bool contact : {false, true}) {
         if (contact && one_length == uneven) continue;
         SCOPED_TRACE(fmt::format("{} vertices, uneven {}, contact {}", counts[0], uneven, contact));
@@ -191,13 +194,13 @@ TEST_F(GpuRod, EveryVariantAgreesWithTheOracle) {
   }
 }
 
-// Edges of one length with masses that differ have programs between uniform ones and those of anything.
+// Strands of equal edge lengths and unequal masses have a variant of their own: STRAND_UNIFORMITY 2.
 TEST_F(GpuRod, TaperedHairAgreesWithTheOracle) {
   parameters_.damping_time = 2e-3f;
   StrandModel model = arcs(600, {32}, 0.2f, false, 1, true);
   const StrandState from = disturbedState(model, 7);
   const std::vector<MovingPrimitive> bodies = movingBodies(parameters_.time_step);
-  model.rest_distance = leftWhereTheyStart(from, bodies);
+  model.rest_distance = restDistancesAtStart(from, bodies);
   expectOneStepAgrees(model, from, {});
   if (thorough()) expectOneStepAgrees(model, from, bodies);
 
@@ -210,8 +213,9 @@ TEST_F(GpuRod, TaperedHairAgreesWithTheOracle) {
   EXPECT_GT(difference(straight, truth, rest), 1e-3);
 }
 
-// Straight hair has programs without frames, which have to find what damping does to twist by themselves. The
-// frames that come back are along edges, where those of others are as far as the substep had got.
+// Straight hair has variants without material frames (STRAIGHT), with their own treatment of damping and
+// twist. Their downloaded frames are aligned with the final edges; other variants' frames are those of the
+// solve.
 TEST_F(GpuRod, StraightHairAgreesWithTheOracle) {
   parameters_.wind = Vec3(2, 0, 1);
   for (const auto& [uneven, damping_time] : {std::pair(false, 0.0f), {false, 0.02f}, {true, 0.02f}}) {
@@ -257,12 +261,12 @@ TEST_F(GpuRod, StraightHairAgreesWithTheOracleAmongBodies) {
   const std::vector<MovingPrimitive> bodies = movingBodies(parameters_.time_step);
   StrandModel model = straightHair(600, 0.2f, true);
   const StrandState from = run(*makeOracleBackend(), model, restState(model, model.rest_roots), 20);
-  model.rest_distance = leftWhereTheyStart(from, bodies);
+  model.rest_distance = restDistancesAtStart(from, bodies);
   expectOneStepAgrees(model, from, bodies, false);
 }
 
-// They have kept no frames but their first edges' when it comes; old ones would be taken for twist, and
-// damped.
+// Straight strands have stored only their first frames when the body comes. Old frames in place of computed
+// ones would be taken for twist, and damped.
 TEST_F(GpuRod, StraightHairMeetsABodyThatComesLater) {
   parameters_.damping_time = 0.02f;
   const StrandModel model = straightHair(600, 0.2f, false);
@@ -313,7 +317,7 @@ TEST_F(GpuRod, ManySubstepsOfOneStepAreAsManySteps) {
   EXPECT_GT(difference(model, once, from), 1e-3);
 }
 
-// The largest deviation of an edge from its rest length over its strand's length, infinity where one is not
+// The largest deviation of an edge from its rest length, relative to its strand's length; infinity if not
 // finite.
 double stretch(const StrandModel& model, std::span<const Vec3> positions) {
   double worst = 0;
@@ -328,8 +332,8 @@ double stretch(const StrandModel& model, std::span<const Vec3> positions) {
   return worst;
 }
 
-// Hair as soft as real hair is back in 4 s. A thousand times as stiff it may whirl longer: on every backend,
-// three strands in a hundred still do after 4 s and one after 6 s, so it has 16 s.
+// Hair of normal stiffness returns to rest within 4 s. Hair a thousand times as stiff may whirl longer: on
+// every backend, three strands in a hundred still do after 4 s and one after 6 s, so it gets 16 s.
 TEST_F(GpuRod, ComesBackFromFoldsAndCoincidentVertices) {
   for (const float stiffness : {1.0f, 1000.0f}) {
     if (stiffness > 1 && !thorough()) continue;
@@ -357,7 +361,7 @@ TEST_F(GpuRod, ComesBackWhenTheRootLeapsAMetreInAStep) {
     backend_->step({&parameters_, {}, away});
     EXPECT_LT(stretch(model, backend_->guides()), 1e-5) << "stiffness " << stiffness;
     backend_->step({&parameters_, away});
-    const int steps = stiffness > 1 ? 4 * kSettle : kSettle;  // as above
+    const int steps = stiffness > 1 ? 4 * kSettle : kSettle;  // as in ComesBackFromFoldsAndCoincidentVertices
     for (int i = 0; i < steps; ++i) backend_->step({&parameters_});
     StrandState state;
     backend_->download(state);
@@ -371,7 +375,7 @@ TEST_F(GpuRod, StaysFiniteAndKeepsLengthsWhenShakenWithShortEdges) {
   for (int s = 0; s < 12; ++s) {
     std::vector<Vec3> points;
     const int count = 5 + 9 * (s % 4);
-    for (int i = 0; i < count; ++i) {  // every third edge is a hundredth of the others
+    for (int i = 0; i < count; ++i) {  // every third edge has a hundredth of the others' length
       const float along = static_cast<float>(i) - 0.99f * static_cast<float>((i + 1) / 3);
       points.emplace_back(0.2f * along / static_cast<float>(count), 0.0f, 0.01f * static_cast<float>(s));
     }
@@ -396,8 +400,8 @@ TEST_F(GpuRod, StaysFiniteAndKeepsLengthsWhenShakenWithShortEdges) {
   }
 }
 
-// Strands of every number of invocations but that of 32 vertices, which other tests have, in groups large
-// enough for programs of their own: few strands share theirs.
+// One group per number of invocations, except that of 32 vertices, which other tests cover. Groups are large
+// enough (kOwnProgram) for variants of their own.
 TEST_F(GpuRod, GroupsOfAnyCountAgreeWithTheReference) {
   const StrandModel model = arcs(4 * 520, {4, 7, 14, 60}, 0.2f, false);
   const StrandState from = restState(model, model.rest_roots);
@@ -406,7 +410,7 @@ TEST_F(GpuRod, GroupsOfAnyCountAgreeWithTheReference) {
   EXPECT_GT(difference(model, mine, from), 1e-3);
 }
 
-// Groups large enough for programs of their own, with and without grooming beside each other.
+// Groups with and without grooming factors in one model, both large enough for variants of their own.
 TEST_F(GpuRod, GroomedGroupsAgreeWithTheReference) {
   StrandModel model = arcs(1200, {32}, 0.2f, false);
   parameters_.wind = Vec3(1, 0, 0);
@@ -434,7 +438,8 @@ TEST_F(GpuRod, GroomedGroupsAgreeWithTheReference) {
   }
 }
 
-// Violent strands are listed in no order, and so have other companions in each run.
+// Strands that need the dense metric are listed in arbitrary order, so they share workgroups with other
+// strands in each run.
 TEST_F(GpuRod, ShakenHairComesOutAlikeEachTime) {
   parameters_.damping_time = 2e-3f;
   for (const StrandModel& model : {arcs(2000, {32}, 0.3f, false), straightHair(2000, 0.3f, false)}) {
@@ -456,12 +461,12 @@ TEST_F(GpuRod, ShakenHairComesOutAlikeEachTime) {
   }
 }
 
-// A GPU that they do not fill does them in one turn.
+// A small model is solved in one dispatch, a large one in two: the result must be the same, bit for bit.
 TEST_F(GpuRod, FewStrandsComeOutAlikeInOneTurnAndInTwo) {
   for (StrandModel model : {arcs(600, {32}, 0.2f, false), straightHair(600, 0.2f, false)}) {
     const StrandState from = disturbedState(model, 7);
     const std::vector<MovingPrimitive> bodies = movingBodies(parameters_.time_step);
-    model.rest_distance = leftWhereTheyStart(from, bodies);
+    model.rest_distance = restDistancesAtStart(from, bodies);
     parameters_.damping_time = 2e-3f;
     for (const std::vector<MovingPrimitive>& among : {std::vector<MovingPrimitive>(), bodies}) {
       const StrandState one = run(*backend_, model, from, 2, among),
@@ -473,7 +478,7 @@ TEST_F(GpuRod, FewStrandsComeOutAlikeInOneTurnAndInTwo) {
   }
 }
 
-// A ball goes through the middle of the hair: many strands do not meet it in a step and are done without
+// A ball passes through the hair. In each step many strands are out of its reach and are solved without
 // bodies.
 TEST_F(GpuRod, StrandsThatNoBodyComesNearComeOutAsAmongBodies) {
   parameters_.damping_time = 2e-3f;

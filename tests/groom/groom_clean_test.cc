@@ -1,5 +1,5 @@
-// Cleaning, turning, resampling, choosing and binding strands made by hand; and loading files with units and
-// axes.
+// Cleaning, orientation, resampling, guide selection and binding of strands made by hand; loading of files
+// with units and axes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,13 +8,13 @@
 #include <random>
 
 #include "core/strand_model.h"
-#include "groom/axes_and_units.h"
 #include "groom/clean.h"
-#include "groom/file_bytes.h"
-#include "groom/groom_file.h"
-#include "tests/groom/expect_error.h"
-#include "tests/groom/sample_files.h"
-#include "tests/groom/scratch_folder.h"
+#include "groom/load_groom.h"
+#include "io/axes_and_units.h"
+#include "io/file_bytes.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/sample_files.h"
+#include "tests/io/scratch_folder.h"
 
 namespace strandcast {
 namespace {
@@ -51,7 +51,7 @@ TEST(CleanStrands, CountsAndRemovesWhatIsNoHair) {
   doubled.insert(doubled.begin() + 2, doubled[2]);
   doubled.insert(doubled.begin(), doubled[0]);
   doubled.push_back(doubled.back() + Vec3(1e-8f, 0, 0));
-  groom.strands.append(doubled);  // 9: three too many
+  groom.strands.append(doubled);  // 9: three duplicates
   groom.strands.uvs.resize(10);
   for (int s = 0; s < 10; ++s) groom.strands.uvs[s] = Vec2(static_cast<float>(s), 0);
   cleanStrands(groom);
@@ -131,7 +131,7 @@ TEST(OrientRoots, OnlyStrandsWhoseTipIsClearlyNearerAreTurnedRound) {
   groom.strands.append(upside_down);
   groom.strands.append(upside_down);
   groom.strands.append(
-      {{Vec3(0, 0.02f, 0), Vec3(0.1f, 0.1f, 0), Vec3(0.2f, 0.01f, 0)}});  // nearer, but not clearly
+      {{Vec3(0, 0.02f, 0), Vec3(0.1f, 0.1f, 0), Vec3(0.2f, 0.01f, 0)}});  // nearer, but within the threshold
   groom.strands.pinned = {1, 0, 0, 1, 0, 0, 1, 0, 1, 1, 0, 0};
   groom.strands.radii = {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3};
   orientRoots(groom, onFloor);
@@ -156,8 +156,8 @@ TEST(Resample, KeepsRootTipAndLengthAndSpacesEvenly) {
     if (vertices == 100) {
       EXPECT_NEAR(kept, length, 1e-5f * length);  // its edges are equal already
     }
-    // Samples closer than the edges cut each corner once: a chord over a corner of angle a keeps cos(a / 2)
-    // of its arms, and a helix with 0.35 radians a step bends by less than that.
+    // Samples closer than the edges cut each corner once. A chord across a corner of angle a keeps cos(a / 2)
+    // of the length of its arms, and a helix with 0.35 radians per step bends by less than that.
     if (vertices == 128) {
       EXPECT_GE(kept, std::cos(0.35f / 2) * length);
     }
@@ -243,7 +243,7 @@ StrandSet randomRoots(size_t count) {
   return strands;
 }
 
-/// The definition, without a grid.
+/// Reference implementation, without a grid.
 std::vector<uint32_t> farthestPointsPlainly(const StrandSet& strands, uint32_t first, size_t count) {
   std::vector<float> distance(strands.strands(), 1e30f);
   std::vector<uint32_t> chosen{first};

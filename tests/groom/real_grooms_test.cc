@@ -1,5 +1,4 @@
-// Real grooms and bodies, where they are at hand: STRANDCAST_DATA, or a folder shared/data beside the
-// project.
+// Real grooms and bodies, if available: in STRANDCAST_DATA, or in a folder shared/data beside the project.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,9 +7,9 @@
 
 #include "core/strand_model.h"
 #include "groom/clean.h"
-#include "groom/groom_file.h"
-#include "groom/mesh_file.h"
-#include "tests/groom/scratch_folder.h"
+#include "groom/load_groom.h"
+#include "io/mesh_file.h"
+#include "tests/io/scratch_folder.h"
 #include "tests/real_data.h"
 
 namespace strandcast {
@@ -70,8 +69,8 @@ TEST_F(RealGrooms, FiveThousandGuidesOfTheBearCoverIt) {
   const Groom groom = loadGroom({data_ / "bear" / "bear.tfx"}, {0.01f, UpAxis::kAuto});
   const std::vector<uint32_t> guides = chooseGuides(groom.strands, 5000);
   ASSERT_EQ(guides.size(), 5000u);
-  // Farthest points: no two guides are nearer to each other than the root that is worst served is to its
-  // guide.
+  // Property of farthest point sampling: no two guides are nearer to each other than any root is to its
+  // nearest guide.
   double nearest = 1e9;
   for (size_t a = 0; a < guides.size(); ++a)
     for (size_t b = 0; b < a; ++b)
@@ -129,8 +128,8 @@ TEST_F(RealGrooms, BodiesLoadWithAllTheirTriangles) {
     float unit;
     size_t vertices, triangles;
   };
-  // The counts are the files' `v` and `f` lines; the makehuman ones without helper and joint groups, in
-  // quads.
+  // The counts are those of `v` and `f` lines of the files; for makehuman, without helper and joint groups,
+  // in quads.
   for (const Body& body :
        {Body{"bear/bear_body.obj", 0.01f, 31175, 57784},
         Body{"ponytail/ponytail_body.obj", 0.0025f, 11744, 17894},

@@ -1,6 +1,6 @@
-/* A renderer that knows nothing of Strandcast but idl/strandcast.idl and docs/wire.md, over another vendor's
- * DDS (Eclipse Cyclone DDS). Joins groom 1 of a domain, receives the groom, then a run of frames, sends a
- * command until it is answered, and prints "key value" lines.
+/* A renderer made from idl/strandcast.idl and docs/wire.md alone, over another vendor's DDS (Eclipse Cyclone
+ * DDS). Joins groom 1 of a domain, receives the groom and then FRAMES frames, repeats a command until it is
+ * answered, and prints "key value" lines.
  *
  *   cyclone_reader DOMAIN FRAMES COMMAND_ID
  *
@@ -70,7 +70,7 @@ static dds_entity_t command_writer_in(dds_entity_t participant, const char* part
   return writer;
 }
 
-/* The groom: every chunk once, in any order. */
+/* Takes chunks of the groom, in any order; true when all have come. */
 static bool take_groom(dds_entity_t reader, uint32_t* strands, uint32_t* vertices) {
   static bool has[kMaxChunks];
   static uint32_t received, sum_strands, sum_vertices;
@@ -107,7 +107,7 @@ static bool is_as_sent(const GuideChunk* chunk) {
   return true;
 }
 
-/* Vertices received of the frames under way; a frame is whole when it has all of the groom's. */
+/* Vertices received of incomplete frames; a frame is complete when it has all of the groom's. */
 static struct {
   uint64_t frame;
   uint32_t vertices;
@@ -146,7 +146,7 @@ static void take_guides(dds_entity_t reader, uint32_t groom_vertices) {
   if (count > 0) dds_return_loan(reader, samples, count);
 }
 
-/* What hair collides with: shapes and words of every chunk. */
+/* Counts of colliders: shapes and words of all chunks. */
 static uint32_t shapes, words, spheres_of_the_head;
 
 static void take_colliders(dds_entity_t reader) {
@@ -165,7 +165,7 @@ static void take_colliders(dds_entity_t reader) {
   if (count > 0) dds_return_loan(reader, samples, count);
 }
 
-/* Of a parameter by name, in a status: the first of its values. */
+/* Sets `value` to the first component of a parameter in a status; false if it is not there. */
 static bool value_of(const Status* status, const char* name, float* value) {
   uint32_t at = 0;
   const char* known = status->parameter_names;

@@ -1,4 +1,4 @@
-// A daemon's publisher (Fast DDS) and a reader made of another vendor's DDS from the same IDL, as two
+// A daemon's publisher (Fast DDS) and a reader built on another vendor's DDS from the same IDL, as two
 // processes.
 #include <gtest/gtest.h>
 
@@ -55,7 +55,7 @@ TEST(Cyclone, ReceivesTheGroomLateAndEveryFrameAndItsCommandIsObeyed) {
       }
     }
   };
-  cast(std::chrono::milliseconds(500), [] { return false; });  // before anyone listens
+  cast(std::chrono::milliseconds(500), [] { return false; });  // before the reader starts
 
   FILE* const reader = popen((std::string(STRANDCAST_CYCLONE_READER) + " " + std::to_string(domain) + " " +
                               std::to_string(kFrames) + " " + std::to_string(kCommand))

@@ -1,4 +1,4 @@
-// Grown hair and bodies, judged by the CPU's distances.
+// Grown hair and bodies, checked by distances on the CPU.
 #include "collision/field_bake.h"
 #include "offscreen.h"
 #include "render/hair_readback.h"
@@ -76,7 +76,7 @@ class HairAndBodies : public OffscreenTest {
       const MovingBend moving = bendOf(shape, bend, bend);
       const uint32_t at = data.addBend();
       data.setBend(at, moving);
-      bendWith(placed, moving, at);
+      applyBend(placed, moving, at);
     }
     int count = 0;
     for (const GrownVertex& v : grown) count += signedDistance(placed, v.position, data.words) < -1e-5f;
@@ -102,7 +102,7 @@ TEST_F(HairAndBodies, NoVertexIsInAnyKindOfBody) {
 
 TEST_F(HairAndBodies, NoVertexIsInABodyThatIsBent) {
   const ContactPrimitive shape = shapeOf(PrimitiveKind::kField);
-  SurfaceBend bend;  // up to 8 mm to the side at the tips
+  SurfaceBend bend;  // up to 8 mm sideways at the tips
   bend.middle = shape.a;
   bend.terms[5] = Vec3(9, 0, 0);
   EXPECT_GT(inside(grow(GrowthPath::kCompute, {{shape, false, 1}}), shape, bend), 20);
@@ -135,7 +135,7 @@ TEST_F(HairAndBodies, HairFollowsOneGuideBelowTheBodyAndIsAsItWasElsewhere) {
     for (size_t i = first; i <= first + kBodySegments; ++i) {
       deepest = std::max(deepest, ball.radius - (free[i].position - ball.a).norm());
       change = std::max(change, (kept[i].position - free[i].position).norm());
-      // 15 % of the length before the body nothing happens.
+      // Hair is unchanged until 15 % of the length before the body.
       if (i - first < 10) {
         EXPECT_NEAR((kept[i].position - free[i].position).norm(), 0, 1e-6);
       }
@@ -143,7 +143,8 @@ TEST_F(HairAndBodies, HairFollowsOneGuideBelowTheBodyAndIsAsItWasElsewhere) {
     if (deepest == 0 && change < 1e-7f) ++untouched;
     if (deepest < 0.002f) continue;
     ++switched;
-    // From two millimetres on, all of it: the tip is at the guide's, but for the place in its lock.
+    // From a depth of 2 mm on, the closing is complete: the tip is at the guide's, except for its offset in
+    // the lock.
     const size_t node = static_cast<size_t>(hairs[h].extent * kBodySegments);
     const Vec3 guide = guides_.strand(hairs[h].guides[0]).back();
     const Vec3 across = Vec3(kept[first + node].position - guide);

@@ -1,4 +1,4 @@
-// A body whose parts are colliders is drawn where they are.
+// A body whose parts are colliders is drawn at their poses.
 #include "transport/body_binding.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include "render/hair_bodies.h"
 #include "scenes/skin_parts.h"
 #include "tests/collision/shapes.h"
-#include "tests/groom/skinned_arm.h"
+#include "tests/io/skinned_arm.h"
 
 namespace strandcast {
 namespace {
@@ -29,7 +29,7 @@ HairObstacle ballAt(const Vec3& middle, uint32_t collider) {
 }
 
 TEST(BodyBinding, VerticesMoveWithTheCollidersOnWhoseSurfacesTheyLie) {
-  const Vec3 left(-0.02f, 0, 0), right(0.02f, 0, 0);  // the balls meet in a circle about x = 0
+  const Vec3 left(-0.02f, 0, 0), right(0.02f, 0, 0);  // the balls intersect in a circle around x = 0
   const float meet = std::sqrt(0.03f * 0.03f - 0.02f * 0.02f);
   const std::vector<Vec3> rest{Vec3(-0.05f, 0, 0), Vec3(0.05f, 0, 0), Vec3(0, meet, 0), Vec3(0, 1, 0)};
   BodyBinding binding(rest, bodyParts(std::vector<HairObstacle>{ballAt(left, 7), ballAt(right, 9)}));
@@ -53,7 +53,7 @@ TEST(BodyBinding, VerticesGoWhereABendTakesThem) {
   const std::vector<Vec3> rest{Vec3(0.03f, 0, 0)};
   BodyBinding binding(rest, bodyParts(std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)}));
   PlacedCollider bent{4, {Vec3(0, 1, 0), Quat::Identity()}, {}};
-  // What is at p was 0.1 p.x lower at rest: a shear, which leans the normal of the ball's side back.
+  // The point at p was 0.1 p.x lower at rest: a shear, which tilts the normal of the ball's side backwards.
   bent.bend.terms[1] = Vec3(0, -0.1f, 0);
   binding.place(std::vector<PlacedCollider>{bent});
   EXPECT_LT((binding.position(0, rest[0]) - Vec3(0.03f, 1.003f, 0)).norm(), 1e-6f);
@@ -61,25 +61,26 @@ TEST(BodyBinding, VerticesGoWhereABendTakesThem) {
   EXPECT_LT((binding.normal(0, rest[0], Vec3::UnitY()) - Vec3(-0.1f, 1, 0).normalized()).norm(), 1e-6f);
 }
 
-// Inside of a sharp bend skin is pressed together, and no fixed point finds what is at rest where it is.
+// On the inside of a sharp bend the skin is compressed, and fixed-point iteration for the inverse does not
+// converge.
 TEST(BodyBinding, PressedSkinIsDrawnWhereItIs) {
   const std::vector<Vec3> rest{Vec3(0.03f, 0, 0)};
   BodyBinding binding(rest, bodyParts(std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)}));
   PlacedCollider pressed{4, {Vec3::Zero(), Quat::Identity()}, {}};
-  pressed.bend.terms[1] = Vec3(3, 0, 0);  // to a quarter
-  pressed.bend.terms[4] = Vec3(0, 2, 0);  // and what was at y = 0 went to -2 x^2
+  pressed.bend.terms[1] = Vec3(3, 0, 0);  // compression to a quarter
+  pressed.bend.terms[4] = Vec3(0, 2, 0);  // points at y = 0 moved to -2 x^2
   binding.place(std::vector<PlacedCollider>{pressed});
   EXPECT_LT((binding.position(0, rest[0]) - Vec3(0.0075f, -2 * 0.0075f * 0.0075f, 0)).norm(), 2e-6f);
-  // Where nothing goes there it is drawn as near as what is.
+  // Where the bend has no inverse, the vertex is drawn at the nearest reachable position.
   pressed.bend.terms[1] = Vec3::Zero();
-  pressed.bend.terms[4] = Vec3(20, 0, 0);  // nothing is at rest where x < -1 / 80
+  pressed.bend.terms[4] = Vec3(20, 0, 0);  // no rest point maps to x < -1 / 80
   const std::vector<Vec3> beyond{Vec3(-0.03f, 0, 0)};
   BodyBinding folded(beyond, bodyParts(std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)}));
   folded.place(std::vector<PlacedCollider>{pressed});
   EXPECT_LT((folded.position(0, beyond[0]) - Vec3(-0.025f, 0, 0)).norm(), 3e-3f);
 }
 
-/// m, from where an arm's skin is blended to where it is drawn: the mean over its vertices, and the most.
+/// Distance between an arm's blended skin and its drawn position, m: mean and maximum over vertices.
 struct Off {
   double mean = 0, most = 0;
 };
@@ -118,7 +119,7 @@ Off offTheBlendedSkin(bool with_bends) {
   return off;
 }
 
-// docs/architecture.md, "Skinned bodies", has these numbers.
+// docs/architecture.md, "Skinned bodies", quotes these numbers.
 TEST(BodyBinding, ASkinIsDrawnNearToWhereItIsBlended) {
   const Off rigid = offTheBlendedSkin(false), bent = offTheBlendedSkin(true);
   EXPECT_LT(bent.mean, 0.4 * rigid.mean);
@@ -132,7 +133,7 @@ TEST(BodyBinding, WhatFollowsTheHeadOrIsNoColliderCarriesNothing) {
   EXPECT_TRUE(BodyBinding(rest, bodyParts(std::vector<HairObstacle>{head, ballAt(Vec3::Zero(), kNoCollider)}))
                   .empty());
   HairObstacle aside = ballAt(Vec3(0, 16, 0), 2);
-  aside.shape.a = Vec3(0, -16, 0);  // so that it is about the vertex, too
+  aside.shape.a = Vec3(0, -16, 0);  // so that it also surrounds the vertex
   EXPECT_TRUE(BodyBinding(rest, bodyParts(std::vector<HairObstacle>{aside})).empty());
   EXPECT_FALSE(BodyBinding().holds(0));
 }

@@ -1,4 +1,4 @@
-// What a picture leaves out: groups of hair that it cannot show, and by level of detail.
+// Culling: groups of hair that cannot be in the picture, and hairs by level of detail.
 #include <numbers>
 
 #include "lamp.h"
@@ -12,7 +12,7 @@ namespace {
 
 class Culling : public OffscreenTest {
  protected:
-  /// A meadow of 2 m, shadows to the side.
+  /// A field of hair of 2 m, with shadows cast sideways.
   Culling() : groom_(verticalBundle(40, 40, 0.05f, 0.1f, 0.2f, 8)) {
     settings_ = smallPicture();
     settings_.growth.hairs = 6000;
@@ -58,7 +58,7 @@ TEST_F(Culling, LeavesOutOnlyWhatThePictureWouldNotShow) {
       const RenderStatistics every = draw(camera, all);
       settings_.cull = true;
       const RenderStatistics some = draw(camera, culled);
-      // The light adds up hairs in another order, in half floats.
+      // The light accumulates hairs in a different order, in half floats.
       int worst = 0;
       for (size_t i = 0; i < all.rgb.size(); ++i)
         worst = std::max(worst, std::abs(all.rgb[i] - culled.rgb[i]));
@@ -79,7 +79,7 @@ TEST_F(Culling, LeavesOutOnlyWhatThePictureWouldNotShow) {
 }
 
 TEST_F(Culling, HairBesideThePictureStillShadesIt) {
-  // Looks along x at the far end; the light comes from behind the eye, low.
+  // Looks along x at the far end; the light comes from behind the eye, at a low elevation.
   const Camera camera = from(Vec3(0.6f, 0.3f, 0), Vec3(0.9f, -0.1f, 0));
   Image image;
   RenderStatistics with = draw(camera, image);
@@ -138,7 +138,7 @@ TEST_F(Culling, BoxesOfGroupsHoldTheirHairs) {
   HairGroups groups(groom_.guides, pass.hairs(), settings_.growth);
   EXPECT_GT(groups.reach(), groups.meanReach());
   EXPECT_GT(groups.meanReach(), 0.5f * settings_.growth.curl_radius);
-  groups.place(wild.guides.positions, HairPlace(groom_.guides.positions), 0);
+  groups.place(wild.guides.positions, PlausibleBounds(groom_.guides.positions), 0);
   for (const GrownVertex& vertex : readComputed(pass, nodes, 1))
     ASSERT_TRUE(groups.box(groups.groupOf(vertex.hair)).contains(Eigen::Vector3f(vertex.position)));
 }
@@ -175,7 +175,7 @@ TEST_F(Culling, DetailHoldsStillWhileTheSizeWavers) {
   EXPECT_LE(changes(0.1f), 1);
 }
 
-/// Mean difference from another picture over the pixels that differ from a bare one, of white.
+/// Mean difference from another picture over the pixels that differ from a bare one, relative to white.
 double meanDifference(const Image& image, const Image& other, const Image& bare, int from_x, int to_x) {
   double sum = 0;
   int covered = 0;
@@ -194,14 +194,14 @@ TEST_F(Culling, APictureThatHysteresisHoldsIsAsGoodAsOneThatComesAnew) {
   settings_.growth.hairs = 12000;
   settings_.detail = {0, 0, 0.3f, 1};
   const auto camera = [](float distance) { return from(Vec3(0, 0.15f * distance, distance), Vec3::Zero()); };
-  const auto picture = [&](float before) {  // before: the picture that came first
+  const auto picture = [&](float before) {  // `before`: camera distance of the picture drawn first
     Renderer renderer(settings_);
     renderer.setGroom(groom_);
     renderer.draw(restFrame(groom_), camera(before));
     renderer.draw(restFrame(groom_), camera(3));
     return std::pair{renderer.read(), renderer.statistics().hairs_drawn};
   };
-  // From a little nearer the finer level stays; from far off the picture has its own.
+  // After a slightly nearer picture the finer level is held; after a distant one the level is chosen anew.
   const auto [held, held_hairs] = picture(2.75f);
   const auto [fresh, fresh_hairs] = picture(6);
   EXPECT_GT(held_hairs, fresh_hairs * 21 / 20);
@@ -239,7 +239,7 @@ TEST_F(Culling, WhereTheImportanceMapIsDarkThePictureIsCoarserAndTheRestAsItWas)
     settings_.growth.importance = half;
     settings_.detail = {0.1f, 0, 0, 0};
     EXPECT_NEAR(static_cast<double>(draw(camera, mapped).hairs_drawn), 1200, 2);
-    // The white half of the map is the left one of the picture: what is left out there reaches no sample.
+    // The white half of the map is the left one of the picture: hairs left out there cover no sample.
     EXPECT_LT(meanDifference(mapped, full, bare, 0, 60), 0.01);
     EXPECT_GT(meanDifference(mapped, full, bare, 68, 128), 0.02);
     for (int y = 0; y < 128; ++y)
@@ -258,7 +258,7 @@ TEST_F(Culling, WhereTheImportanceMapIsDarkHairsGoFirstAndTheRestGrowsWider) {
   map->values = {1, 0.1f};
   HairGrowth growth = settings_.growth;
   growth.importance = map;
-  for (size_t g = 0; g < groom_.guides.strands(); ++g)  // the map's left half is that of the negative x
+  for (size_t g = 0; g < groom_.guides.strands(); ++g)  // the map's left half is at negative x
     groom_.guides.uvs.push_back(Vec2(groom_.guides.strand(g).front().x() < 0 ? 0.25f : 0.75f, 0.5f));
   const std::vector<Hair> hairs = growHairs(groom_.guides, growth),
                           even = growHairs(groom_.guides, settings_.growth);

@@ -1,4 +1,4 @@
-// Curls taken from a strand, and laid on hair.
+// Curls taken from a strand and applied to hair.
 #include "render/curl_example.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "groom/groom_file.h"
+#include "io/groom_file.h"
 #include "render/hair_reference.h"
 
 namespace strandcast {
@@ -20,10 +20,10 @@ namespace {
 using Vec = Eigen::Vector3d;
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// An axis that bends a little, `length` long or so, from (0, 0, 0) downwards.
+/// A slightly curved axis of about `length`, from (0, 0, 0) downwards.
 Vec axisAt(double u, double length) { return length * Vec(0.1 * u * u, -u, 0.15 * u * u * u); }
 
-/// A helix about it that opens from the root on.
+/// A helix around the axis that widens from the root on.
 std::vector<Vec3> helix(double length, double radius, double turns, int vertices = 400) {
   std::vector<Vec3> points;
   for (int i = 0; i < vertices; ++i) {
@@ -41,7 +41,7 @@ TEST(CurlExample, OfAHelixHasItsRadiusAndItsTurns) {
   EXPECT_NEAR(curl.reach, 0.05f, 0.008f);
   EXPECT_EQ(curl.samples[0].x, 0);
   EXPECT_EQ(curl.samples[0].y, 0);
-  // Towards its ends the axis follows the curl a little.
+  // Near its ends the least squares axis follows the curl slightly.
   for (int i = 40; i < 216; i += 7) {
     const CurlExample::Sample& s = curl.samples[static_cast<size_t>(i)];
     const double u = static_cast<double>(i) / CurlExample::kParts;
@@ -58,7 +58,7 @@ TEST(CurlExample, OfAStrandThatOnlyBendsIsNone) {
   EXPECT_LT(curlOf(bent, "arc").reach, 0.01f);
 }
 
-/// Hair about one guide and nothing else but the curl.
+/// Hair around one guide with no deviation but the curl.
 Hair curledHair(double scale) {
   Hair hair{};
   hair.extent = hair.width = hair.importance = 1;
@@ -91,7 +91,7 @@ TEST(CurlExample, LaidOnItsAxisGivesTheStrandAgainAndOnALongerOneALargerStrand) 
         for (const Vec3& p : strand) nearest = std::min(nearest, (p.cast<double>() - at).norm());
         worst = std::max(worst, nearest);
       }
-      // Of the curl's radius; what lies along the axis is left out.
+      // Relative to the curl's radius; the component along the axis is omitted by design.
       EXPECT_LT(worst / (0.01 * times), 0.35) << turns << " turns, " << times << " times as long";
     }
   }
@@ -101,7 +101,7 @@ TEST(CurlExample, IsAsLargeAsTheHairIsLong) {
   StrandSet guides;
   for (int g = 0; g < 16; ++g) {
     const float length = g < 8 ? 0.1f : 0.3f;
-    const Vec3 root(0.3f * static_cast<float>(g), 0, 0);  // too far apart for hair between them
+    const Vec3 root(0.3f * static_cast<float>(g), 0, 0);  // too far apart to interpolate hair between them
     guides.append(
         std::vector<Vec3>{root, Vec3(root - Vec3(0, 0.5f * length, 0)), Vec3(root - Vec3(0, length, 0))});
   }

@@ -21,7 +21,7 @@ struct Node {
   Vec position, derivative, normal;
 };
 
-/// Curve and twist-free frame of a guide at 0 .. segments, as guide_nodes.h says.
+/// Curve and twist-free frame of a guide at nodes 0 to `segments`, as guide_nodes.h defines them.
 std::vector<Node> guideNodes(std::span<const Vec3> points, int segments) {
   const int n = static_cast<int>(points.size());
   std::vector<Vec> p(n);
@@ -65,7 +65,7 @@ std::vector<Node> guideNodes(std::span<const Vec3> points, int segments) {
   return nodes;
 }
 
-/// The place of an example's curl at u: the cubic that has the samples' values and slopes.
+/// An example's curl at u: the cubic with the samples' values and slopes.
 Eigen::Vector2d exampleAt(const CurlExample& curl, double u) {
   constexpr int kParts = CurlExample::kParts;
   const int part = std::min(static_cast<int>(u * kParts), kParts - 1);
@@ -77,7 +77,7 @@ Eigen::Vector2d exampleAt(const CurlExample& curl, double u) {
   return {mix(a.x, b.x, a.slope_x, b.slope_x), mix(a.y, b.y, a.slope_y, b.slope_y)};
 }
 
-/// hair_growth.h and kernels/hair.h, written again.
+/// An independent implementation of hair_growth.h and kernels/hair.h.
 Vec hairPoint(const Hair& hair, const std::vector<std::vector<Node>>& guides, const HairGrowth& growth,
               int segments, int wanted) {
   const Vec3& profile = growth.lock_profile;
@@ -112,7 +112,7 @@ StrandSet bentGuides() {
   StrandSet guides;
   for (int g = 0; g < 40; ++g) {
     const int vertices = 2 + g % 15;
-    const float down = g % 7 < 5 ? 0.3f : -0.3f;  // the others part from them
+    const float down = g % 7 < 5 ? 0.3f : -0.3f;  // the others diverge from them
     std::vector<Vec3> points;
     for (int i = 0; i < vertices; ++i) {
       const float t =
@@ -125,8 +125,8 @@ StrandSet bentGuides() {
   return guides;
 }
 
-constexpr int kCurveSegments = 100;  // two patches a hair, the last one partly filled
-constexpr size_t kHairs = 200;       // four patches, the same
+constexpr int kCurveSegments = 100;  // two patches per hair, the last one partly filled
+constexpr size_t kHairs = 200;       // four patches, the last one partly filled
 
 class HairCurve : public OffscreenTest {
  protected:
@@ -185,8 +185,8 @@ TEST_F(HairCurve, TessellatedVerticesAreTheCurvesToRounding) {
     ++seen[h * (kCurveSegments + 1) + node];
     const Hair& hair = pass.hairs()[h];
     worst = std::max(worst, (vertex.position.cast<double>() - expected(hair, node)).norm() / lengthOf(hair));
-    // The tangent against a central difference of a much finer evaluation would need the frame between nodes;
-    // inside the hair a chord of its neighbours is close enough to catch a wrong derivative.
+    // A central difference of a much finer evaluation would need the frame between nodes. The chord of the
+    // neighbouring nodes is close enough to detect a wrong derivative.
     if (node > 2 && node + 3 < hair.extent * kCurveSegments) {
       const Vec chord = expected(hair, node + 1) - expected(hair, node - 1);
       const Vec tangent = vertex.tangent.cast<double>();
@@ -224,7 +224,7 @@ TEST_F(HairCurve, VerticesOfTheComputeShaderAreTheCurvesToRounding) {
     }
     EXPECT_LT(worst, 1e-5);
     EXPECT_LT(worst_tangent, 1e-3);
-    // Knots are floats on the device and in one of the two only.
+    // Knots are floats on the device and in only one of the two references.
     EXPECT_LT(worst_reference, 1e-6);
   }
 }

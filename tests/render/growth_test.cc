@@ -87,7 +87,7 @@ TEST(HairGrowth, DoesNotMixGuidesThatPartButGrowsHairBetweenThem) {
   for (const Hair& hair : growHairs(guides, growth)) {
     for (const uint32_t guide : hair.guides)
       EXPECT_EQ(hair.guides[0] % side < side / 2, guide % side < side / 2);
-    // Sliding along the guide is left out, so look across it: between the columns beside the part in height.
+    // The component along the guide is dropped, so an offset across the parting remains as one in height.
     const Vec off = grown.at(hair, growth, 0).position - guides.strand(hair.guides[0]).front().cast<double>();
     if (followsOne(hair) && off.norm() > 0.001) ++on_the_part;
   }
@@ -184,7 +184,7 @@ TEST(HairGrowth, MapsThinOutHairAndMakeItThinner) {
   growth.density = growth.thickness = halves;
   const std::vector<Hair> mapped = growHairs(guides, growth);
   const ScalpPlaces places(guides);
-  // The map is level in the middle of each half.
+  // The map is constant in the middle of each half.
   const auto count = [&](const std::vector<Hair>& hairs, float from, float to, double& width) {
     double number = 0;
     for (const Hair& hair : hairs) {
@@ -248,7 +248,7 @@ TEST(ScalpMap, RootsWithoutUvsLieByLongitudeAndLatitude) {
   EXPECT_NEAR(at(5).y(), 1, 1e-3);
 }
 
-/// As hair_vertex.glsl: width over the hair's own, and what is left of the dither.
+/// As hair_vertex.glsl: the drawn width over the hair's own, and the remaining dither.
 std::pair<double, double> drawnWidth(const Hair& hair, const HairDetail& detail) {
   const double chance = std::min(static_cast<double>(detail.threshold) * hair.width, 1.0);
   return {1 / chance, (hair.dither - 1 + chance) / chance};
@@ -281,7 +281,7 @@ TEST(HairDetail, ByTheirSizeJustThoseAreLeftOutThatReachNoSample) {
     const HairDetail detail = detailOfSize(hairs, pixels, 0.25f);
     size_t drawn = 0;
     for (size_t i = 0; i < hairs.size(); ++i) {
-      // Where it is nearest, and at twice the distance.
+      // At its nearest point, and at twice the distance.
       for (const double nearer : {1.0, 0.5}) {
         const double coverage = 4 * pixels * nearer * hairs[i].width;
         const double full = std::floor(coverage + hairs[i].dither);

@@ -1,4 +1,4 @@
-// What the frames of grown hair turn with: the skin that their guides' roots are on.
+// The rotation of grown hair's frames: that of the skin that the guides' roots are on.
 #include "render/guide_roots.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t kBall = 5;
 
-/// A ball of 3 cm about the origin, as a part of a skinned body is.
+/// A ball of 3 cm at the origin, as a part of a skinned body.
 HairObstacle ball() {
   HairObstacle ball;
   ball.shape.kind = PrimitiveKind::kField;
@@ -55,7 +55,8 @@ TEST_F(GuidesOnABall, TurnWithItAndNotWithTheHead) {
   EXPECT_EQ(roots_.restNormal(0), rest_);
   const Pose head = turnedBy(1.5f, Eigen::Vector3f::UnitY());
   placeBall({});
-  // The head turns about the guide, which only its frame can tell; but the head has carried it off.
+  // The head rotates about the guide's axis, so the guide's direction does not show it; but the root is not
+  // where the head would carry it.
   EXPECT_LT((roots_.normal(0, Vec3(0, 0.03f, 0), head).normalized() - rest_).norm(), 1e-4f);
   const Pose ball = turnedBy(0.8f, Eigen::Vector3f(1, 2, 3).normalized());
   placeBall(ball);

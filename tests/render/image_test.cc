@@ -1,4 +1,4 @@
-#include "render/image.h"
+#include "io/image.h"
 
 #include <gtest/gtest.h>
 

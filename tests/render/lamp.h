@@ -6,10 +6,10 @@
 
 namespace strandcast {
 
-/// What a light's definition says of a point, in double precision.
+/// The light that arrives at a point by the light's definition, in double precision.
 struct Arriving {
-  Eigen::Vector3d towards;  ///< unit, to the light
-  double irradiance;        ///< across that, with nothing between, of the sun's
+  Eigen::Vector3d towards;  ///< unit, towards the light
+  double irradiance;        ///< perpendicular to `towards`, unshadowed, relative to the sun's
 };
 inline Arriving arriving(const Light& light, const Eigen::Vector3d& point) {
   const Eigen::Vector3d axis = light.direction.cast<double>().normalized();

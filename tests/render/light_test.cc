@@ -1,4 +1,5 @@
-// Lamps: how bright the ground is below them, and where a ball's shadow falls, against the law and the rays.
+// Lights with a position: brightness of the ground against the inverse-square law, and a ball's shadow
+// against its rays.
 #include "lamp.h"
 
 #include "offscreen.h"
@@ -20,8 +21,8 @@ class Lamps : public OffscreenTest {
     camera_.vertical_fov = 0.25f;
   }
 
-  /// The ground is at the body's lowest point, evenly coloured 0.15 of four of its diagonals about its
-  /// middle.
+  /// A sphere as a body. The ground is at the body's lowest point, with an even colour within 0.15 of four of
+  /// its diagonals.
   static BodyDescription bodyOf(const Vec3& center, float radius) {
     BodyDescription body;
     constexpr uint32_t kAround = 64, kAlong = 32;
@@ -38,7 +39,7 @@ class Lamps : public OffscreenTest {
         body.mesh.triangles.push_back({a, b, a + 1});
         body.mesh.triangles.push_back({a + 1, b, b + 1});
       }
-    // Flecks far apart make the ground wide, and where it is.
+    // Small triangles far apart determine the ground's size and height.
     for (const float side : {-1.0f, 1.0f}) {
       const auto first = static_cast<uint32_t>(body.mesh.positions.size());
       for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.001f, 0, 0), Vec3(0, 0, 0.001f)})
@@ -48,7 +49,7 @@ class Lamps : public OffscreenTest {
     return body;
   }
 
-  /// Where the ray through a pixel meets the ground.
+  /// The intersection of a pixel's ray with the ground.
   Vec groundAt(double x, double y) const {
     const Eigen::Matrix4d clip =
         (perspective(camera_.vertical_fov, 1, 0.02f, 50) * viewMatrix(camera_.eye, camera_.target))
@@ -66,7 +67,7 @@ class Lamps : public OffscreenTest {
     renderer.draw(GuideFrame{}, camera_);
     return renderer.read();
   }
-  /// One channel of the ground where `lights` arrive.
+  /// Expected value of one channel of the ground under `lights`.
   static double groundBrightness(const std::vector<Light>& lights, const Vec& place, int channel = 1) {
     constexpr double kSky[] = {0.34, 0.38, 0.45}, kSun[] = {2.3, 2.17, 2.0};
     double sum = kSky[channel];
@@ -77,7 +78,7 @@ class Lamps : public OffscreenTest {
     }
     return 1 - std::exp(-0.5 * 0.55 * sum);
   }
-  /// How near to the middle of a ball the way from the ground to a place goes, in radii.
+  /// Distance between a ball's centre and the ray from the ground to `to`, in radii.
   static double passes(const Vec& ground, const Vec3& to, const Vec3& center, float radius) {
     const Vec way = (to.cast<double>() - ground).normalized(), middle = center.cast<double>();
     return (middle - ground - way * std::max(way.dot(middle - ground), 0.0)).norm() /
@@ -91,7 +92,7 @@ class Lamps : public OffscreenTest {
 };
 
 TEST_F(Lamps, LightTheGroundByTheInverseSquareLawAndWithinTheirCone) {
-  const BodyDescription body = bodyOf(Vec3(0, 5, 0), 0.01f);  // out of the way
+  const BodyDescription body = bodyOf(Vec3(0, 5, 0), 0.01f);  // outside the view
   const Vec3 place(0.2f, -0.4f, 0.1f);
   Light sharp = spotLight(place, Vec3(-0.3f, -1, -0.2f), 0.5f, 0.4f), soft = sharp, all = sharp;
   sharp.cone_edge = 0;
@@ -109,10 +110,10 @@ TEST_F(Lamps, LightTheGroundByTheInverseSquareLawAndWithinTheirCone) {
         least = std::min(least, expected);
         most = std::max(most, expected);
         ++compared;
-        missed += std::abs(shown - expected) > 0.006;  // a step of sRGB
+        missed += std::abs(shown - expected) > 0.006;  // tolerance of one sRGB step
       }
     EXPECT_GT(most, 2 * least) << "there is something to see";
-    // At the sharp edge a rounding decides.
+    // At a sharp edge the result depends on rounding.
     EXPECT_LE(missed, light.kind == LightKind::kSpot && light.cone_edge == 0 ? compared / 200 : 0)
         << static_cast<int>(light.kind) << " " << light.cone_edge;
   }
@@ -124,7 +125,7 @@ TEST_F(Lamps, ABallsShadowFallsWhereItsRaysMeetTheBall) {
   const BodyDescription body = bodyOf(center, kRadius);
   const Light narrow = spotLight(Vec3(0.5f, 0.6f, 0.3f), Vec3(-0.45f, -1.2f, -0.4f), 0.3f, 2),
               wide = spotLight(Vec3(0.5f, 0.6f, 0.3f), Vec3(-0.45f, -1.2f, -0.4f), 1.2f, 2);
-  // The last is within the ball about what there is.
+  // The last light is within the bounding ball of the content.
   for (const Light& light :
        {pointLight(Vec3(3, 6, 2), 40), narrow, wide, pointLight(Vec3(0.15f, -0.2f, 0), 0.4f)}) {
     const Image lit = draw({light}, false, body), shaded = draw({light}, true, body);
@@ -132,10 +133,10 @@ TEST_F(Lamps, ABallsShadowFallsWhereItsRaysMeetTheBall) {
     for (int y = 1; y < kSize; y += 2)
       for (int x = 1; x < kSize; x += 2) {
         const Vec ground = groundAt(x + 0.5, y + 0.5);
-        if (passes(ground, camera_.eye, center, kRadius) < 1.05) continue;  // the ball is in front
+        if (passes(ground, camera_.eye, center, kRadius) < 1.05) continue;  // the ball is in front of it
         if (arriving(light, ground).irradiance < 0.05) continue;
         const double off = passes(ground, light.position, center, kRadius);
-        if (off > 0.9 && off < 1.15) continue;  // the map's texels
+        if (off > 0.9 && off < 1.15) continue;  // within the map's texel size of the shadow's edge
         const double with = linearValue(shaded, x, y, 1), without = linearValue(lit, x, y, 1);
         const double ambient = 1 - std::exp(-0.5 * 0.55 * 0.38);
         (off < 1 ? dark : bright) += 1;
@@ -163,7 +164,7 @@ TEST_F(Lamps, SeveralOfDifferentColorsAddUpEachWithItsOwnShadow) {
   for (int y = 1; y < kSize; y += 2)
     for (int x = 1; x < kSize; x += 2) {
       const Vec ground = groundAt(x + 0.5, y + 0.5);
-      if (passes(ground, camera_.eye, center, kRadius) < 1.05) continue;  // the ball is in front
+      if (passes(ground, camera_.eye, center, kRadius) < 1.05) continue;  // the ball is in front of it
       std::vector<Light> reach;
       bool at_an_edge = false;
       for (const Light& light : lights) {

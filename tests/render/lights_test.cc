@@ -8,14 +8,14 @@
 namespace strandcast {
 namespace {
 
-/// Numbers between which one is that was rounded to 8 bits.
+/// Bounds of a number that was rounded to 8 bits.
 struct Between {
   double low, high;
 };
 
 double linearOf(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
 
-/// Radiance before the tone mapping, 1 - exp(-x). A device may err by a tenth of a step where it makes sRGB.
+/// Radiance before the tone mapping 1 - exp(-x). Tolerates an sRGB conversion error of a tenth of a step.
 Between radianceOf(uint8_t byte) {
   const auto back = [](double step) { return -std::log(1 - linearOf(std::clamp(step / 255, 0.0, 0.999))); };
   return {back(byte - 0.6), back(byte + 0.6)};
@@ -25,11 +25,11 @@ class Lights : public OffscreenTest {
  protected:
   Lights() : groom_(verticalBundle(10, 10, 0.012f, 0.1f, 0.2f, 8)) {
     settings_ = smallPicture();
-    settings_.samples = 1;   // so that a pixel is one thing
-    settings_.cull = false;  // the light's maps add up the same hairs in the same order
+    settings_.samples = 1;   // so that a pixel has one radiance
+    settings_.cull = false;  // so that the light's maps accumulate the same hairs in the same order
     settings_.hair_width = 3e-4f;
     settings_.hair_color = Vec3(0.4f, 0.3f, 0.2f);
-    // What is drawn already as shown is left out.
+    // Passes that write final colours are left out.
     for (const RenderPass pass : {RenderPass::kBackground, RenderPass::kGround})
       std::erase(settings_.passes, pass);
     body_.mesh.positions = {Vec3(-0.3f, -0.12f, -0.3f), Vec3(-0.3f, -0.12f, 0.3f), Vec3(0.3f, -0.12f, 0.3f),
@@ -56,9 +56,9 @@ class Lights : public OffscreenTest {
     renderer.draw(restFrame(groom_), camera_);
     return renderer.read();
   }
-  /// A picture is the sum of each light's and that of the light from all around, which is what is left where
-  /// lights have hardly any intensity; hair and skin take its shadow from the mean over the lights that cast
-  /// any, by their power.
+  /// A picture must be the sum of each light's contribution and the ambient light, which remains where lights
+  /// have almost no intensity. Ambient shadowing of hair and skin is the mean over shadow-casting lights,
+  /// weighted by their power.
   void expectSum(const std::vector<Light>& lights) const {
     const Image all = draw(lights);
     std::vector<Image> with, without;
@@ -111,7 +111,7 @@ TEST_F(Lights, APictureIsTheSumOfThoseWithOneLightEach) {
 
 TEST_F(Lights, ThoseThatCastNoShadowAddWithoutOne) {
   std::vector<Light> lights = three();
-  lights[0].casts_shadow = false;  // it comes first, and goes behind those that do
+  lights[0].casts_shadow = false;  // first in the list, though lights without shadows are sorted last
   expectSum(lights);
   const Image shadowed = draw({three()[0]}), clear = draw({lights[0]});
   int darker = 0;

@@ -1,4 +1,4 @@
-// Marks of vertices in bodies, against the CPU's distances and projection.
+// Marks of vertices in bodies, checked by distances and projection on the CPU.
 #include <algorithm>
 
 #include "offscreen.h"
@@ -35,7 +35,7 @@ class Marked : public OffscreenTest {
   double depthIn(const Eigen::Vector3d& point) const {
     return static_cast<double>(ball_.radius) - (point - ball_.a.cast<double>()).norm();
   }
-  /// Pixel, from the top left.
+  /// Pixel coordinates, from the top left.
   Eigen::Vector2d pixelOf(const Eigen::Vector3d& point) const {
     const Eigen::Vector4f clip = perspective(camera_.vertical_fov, 1, 0.02f, 50) *
                                  viewMatrix(camera_.eye, camera_.target) *
@@ -43,7 +43,8 @@ class Marked : public OffscreenTest {
     return {(0.5 + 0.5 * static_cast<double>(clip.x() / clip.w())) * kSize,
             (0.5 - 0.5 * static_cast<double>(clip.y() / clip.w())) * kSize};
   }
-  /// Every pixel of this colour is within `reach` of a place, and every place has one.
+  /// Checks that every pixel of this colour is within `reach` pixels of a place, and that every place has
+  /// one.
   void expectMarks(const Image& image, const std::vector<Eigen::Vector2d>& places, double reach,
                    const Vec3& color) const {
     int lost = 0, stray = 0, marked = 0;
@@ -99,7 +100,7 @@ TEST_F(Marked, HairIsTheSameBeforeAndAfter) {
   settings_.marks.collided = true;
   settings_.growth.interpolation = Interpolation::kMultiStrand;
   settings_.hair_width = 5e-4f;
-  ball_.a = Vec3::Zero();  // between guides, none of which it reaches
+  ball_.a = Vec3::Zero();  // between guides, and touches none
   ball_.radius = 0.012f;
   for (const GrowthPath path : {GrowthPath::kCompute, GrowthPath::kTessellator}) {
     settings_.growth_path = path;
@@ -117,8 +118,8 @@ TEST_F(Marked, HairIsTheSameBeforeAndAfter) {
 
 TEST_F(Marked, VerticesOfGuidesThatTouchABodyAreYellowAndThoseInsideRed) {
   settings_.marks.collided = true;
-  ball_.a =
-      groom_.guides.strand(5)[6];  // a vertex in its middle, one of another guide within a hair's radius
+  ball_.a = groom_.guides.strand(5)[6];  // centred on a vertex, with a vertex of another guide within a
+                                         // hair's radius
   ball_.radius = (groom_.guides.strand(6)[6] - ball_.a).norm() - 7e-5f;
   std::vector<Eigen::Vector2d> inside, touching;
   for (const Vec3& p : groom_.guides.positions) {

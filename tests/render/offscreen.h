@@ -10,7 +10,7 @@
 
 namespace strandcast {
 
-/// A test with a headless context of its own; skipped, with the reason, where there is none.
+/// A test with its own headless context; skipped, with the reason, where there is none.
 class OffscreenTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -43,7 +43,7 @@ inline GuideFrame restFrame(const GroomDescription& groom) {
   return frame;
 }
 
-/// Vertical guides on a grid of nx by nz, from `top` down, `spacing` apart.
+/// Vertical guides on a grid of nx by nz, from `top` downwards, `spacing` apart, m.
 inline GroomDescription verticalBundle(int nx, int nz, float spacing, float top, float length, int vertices) {
   GroomDescription groom;
   for (int z = 0; z < nz; ++z) {

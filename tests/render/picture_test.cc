@@ -31,7 +31,7 @@ BodyDescription sphere(float radius, const Vec3& center) {
 
 using Picture = OffscreenTest;
 
-/// Pixels that hair covers: how far the picture has gone from the background towards black hair.
+/// Number of pixels that hair covers, by the change of the picture from the background towards black hair.
 double coveredPixels(const RenderSettings& settings, const GroomDescription& groom, const Camera& camera) {
   Renderer renderer(settings);
   renderer.setGroom(groom);
@@ -49,7 +49,7 @@ double coveredPixels(const RenderSettings& settings, const GroomDescription& gro
   return covered;
 }
 
-/// A bundle of black hair, which no light falls on, before a bright background.
+/// A bundle of black, unlit hair before a bright background.
 struct Silhouette {
   explicit Silhouette(RenderSettings& settings) {
     settings.background = Vec3(0.9f, 0.9f, 0.9f);
@@ -94,7 +94,7 @@ TEST_F(Picture, StraightBundleCoversTheAreaOfItsHairs) {
     settings.coverage = way.coverage;
     settings.samples = way.samples;
     settings.hair_width = static_cast<float>(way.pixels_wide * pixel);
-    double wanted = 0;  // an eighth of a hair is lost to the taper of its last quarter
+    double wanted = 0;  // the taper of the last quarter loses an eighth of a hair
     for (const Hair& hair : growHairs(groom.guides, settings.growth))
       wanted += way.pixels_wide * hair.width * 0.875 * hair.extent * 0.2 / pixel;
     const double covered = coveredPixels(settings, groom, camera);
@@ -143,7 +143,7 @@ TEST_F(Picture, FewHairsInPlaceOfManyAreAsDense) {
   RenderSettings settings = smallPicture();
   settings.width = settings.height = 96;
   settings.growth.hairs = 60000;
-  settings.hair_width = 6e-6f;  // three deep; one in 160 is drawn
+  settings.hair_width = 6e-6f;  // three layers of hair; one hair in 160 is drawn
   const Silhouette scene(settings);
   Renderer renderer(settings);
   renderer.setGroom(scene.groom);
@@ -173,7 +173,7 @@ TEST_F(Picture, HairOfHardlyAnyWidthIsNotSeen) {
     for (const bool hair : {false, true}) {
       settings.growth.hairs = hair ? 1000 : 0;
       settings.growth.thickness =
-          std::make_shared<const ScalpMap>(ScalpMap{1, 1, {1e-41f}});  // which devices take for 0
+          std::make_shared<const ScalpMap>(ScalpMap{1, 1, {1e-41f}});  // which devices flush to 0
       Renderer renderer(settings);
       renderer.setGroom(groom);
       renderer.draw(restFrame(groom), Camera{});
@@ -192,7 +192,7 @@ TEST_F(Picture, LinesSeenFromNearAreHardlyWiderThanStrips) {
   settings.hair_width = 6e-4f;
   const GroomDescription groom = verticalBundle(6, 1, 0.015f, 0.1f, 0.2f, 2);  // long edges, so wide boxes
   Camera camera;
-  camera.eye = Vec3(0, 0, 0.15f);  // within them
+  camera.eye = Vec3(0, 0, 0.15f);  // within the boxes
   camera.target = Vec3::Zero();
   const auto touched = [&](HairGeometry geometry, bool hair) {
     settings.geometry = geometry;
@@ -294,7 +294,7 @@ TEST_F(Picture, SupersamplingWeighsTheSamplesOfALargerPicture) {
               std::max(worst, std::abs(linearValue(small, x, y, 1) - std::clamp(sum / weights, 0.0, 1.0)));
         }
       }
-      EXPECT_LT(worst, 0.008) << factor << " " << static_cast<int>(filter);  // a step of sRGB
+      EXPECT_LT(worst, 0.008) << factor << " " << static_cast<int>(filter);  // one step of sRGB
     }
   }
 }
@@ -305,7 +305,7 @@ TEST_F(Picture, BodyShadowDarkensTheGroundBelowIt) {
   Camera camera;
   camera.eye = Vec3(0, 1.2f, 1.6f);
   camera.target = Vec3(0, -0.2f, 0);
-  // A fleck of body far below keeps the ground away from the sphere.
+  // A small triangle of body far below keeps the ground away from the sphere.
   BodyDescription body = sphere(0.2f, Vec3(0, 0.2f, 0));
   const auto first = static_cast<uint32_t>(body.mesh.positions.size());
   for (const Vec3& p : {Vec3(0, -0.4f, -0.01f), Vec3(0.01f, -0.4f, 0), Vec3(0, -0.4f, 0.01f)})
@@ -337,7 +337,7 @@ TEST_F(Picture, HairShadesTheGroundAndItself) {
   settings.lights[0].direction = Vec3(0, -1, -1);
   const GroomDescription groom = verticalBundle(12, 12, 0.008f, 0.1f, 0.15f, 8);
   Camera camera;
-  camera.eye = Vec3(0.4f, 0.25f, -0.8f);  // sees the side that the light does not
+  camera.eye = Vec3(0.4f, 0.25f, -0.8f);  // sees the unlit side
   camera.target = Vec3(0, 0, 0);
   double sum[2];
   for (const bool shadows : {false, true}) {
@@ -401,7 +401,7 @@ TEST_F(Picture, SettingsThatChangeLaterGiveThePictureThatTheyGiveFromTheStart) {
     renderer.setBody(body);
   };
   RenderSettings without_memory = smallPicture();
-  without_memory.detail.hysteresis = 0;  // else a picture may depend a little on those before it
+  without_memory.detail.hysteresis = 0;  // with hysteresis a picture may depend slightly on previous ones
   std::vector<RenderSettings> all(10, without_memory);
   all[1].segments = 5;
   all[2].geometry = HairGeometry::kStrips;
@@ -456,7 +456,7 @@ TEST_F(Picture, HoldsWhatItFramesOfAnySize) {
 }
 
 TEST_F(Picture, IsTheSameOfWhatIsSmall) {
-  const auto picture = [&](float size) {  // m, of the whole
+  const auto picture = [&](float size) {  // m, of the whole content
     RenderSettings settings = smallPicture();
     settings.hair_width = 0.01f * size;
     settings.growth.clump_radius = 0.02f * size;
@@ -491,7 +491,7 @@ TEST_F(Picture, HairIsDrawnFarFromTheOrigin) {
     GuideFrame frame = restFrame(groom);
     frame.head.position = head;
     for (Vec3& p : frame.positions) p += head;
-    frame.positions[3] = Vec3(-1e6f, 0, 0);  // a damaged one widens nothing
+    frame.positions[3] = Vec3(-1e6f, 0, 0);  // a damaged vertex must not enlarge bounds
     Camera camera;
     camera.target = place + head;
     camera.eye = Vec3(camera.target + Vec3(0, 0.1f, 0.8f));
@@ -547,7 +547,7 @@ TEST_F(Picture, GroundIsBelowHairThatIsLongerThanItsBody) {
   renderer.setBody(sphere(0.06f, Vec3(0, 0.05f, 0)));
   Camera camera;
   camera.eye = Vec3(0, 0.2f, 1.2f);
-  camera.target = Vec3(0, -0.4f, 0);  // where the hair is, far below the body
+  camera.target = Vec3(0, -0.4f, 0);  // at the hair, far below the body
   camera.vertical_fov = 0.1f;
   renderer.draw(restFrame(groom), camera);
   EXPECT_LT(linearValue(renderer.read(), 64, 64, 1), 0.05);
@@ -575,7 +575,7 @@ TEST_F(Picture, HairFarFromItsGuidesCastsItsShadowToo) {
   settings.hair_width = 2e-3f;
   settings.background = Vec3(0.8f, 0.8f, 0.8f);
   settings.lights[0].direction = Vec3(1, -1, 0);
-  std::erase(settings.passes, RenderPass::kHair);  // the ground alone
+  std::erase(settings.passes, RenderPass::kHair);  // only the ground
   const GroomDescription groom = verticalBundle(2, 2, 0.01f, 0.15f, 0.3f, 8);
   Camera camera;
   camera.eye = Vec3(0.2f, 2, 0);  // z is up in the picture
@@ -585,7 +585,7 @@ TEST_F(Picture, HairFarFromItsGuidesCastsItsShadowToo) {
   const double pixel = 2 * 2.2 * std::tan(0.4) / 128;
   int dark = 0;
   for (int y = 0; y < 128; ++y) {
-    if (std::abs(y - 63.5) * pixel < 0.25) continue;  // m: where a map about the guides alone has its edge
+    if (std::abs(y - 63.5) * pixel < 0.25) continue;  // m: the edge of a map that covers only the guides
     for (int x = 0; x < 128; ++x) dark += linearValue(shaded, x, y, 1) < 0.9 * linearValue(lit, x, y, 1);
   }
   EXPECT_GT(dark, 200);
@@ -595,7 +595,7 @@ TEST_F(Picture, ShadowOfABroadHairIsAsBroad) {
   RenderSettings settings = smallPicture();
   settings.growth.hairs = 1;
   settings.growth.tip_deviation = settings.growth.whole_deviation = settings.growth.clump_radius = 0;
-  settings.hair_width = 0.03f;  // of the map's texels, some 25
+  settings.hair_width = 0.03f;  // about 25 texels of the map
   settings.background = Vec3(0.8f, 0.8f, 0.8f);
   std::erase(settings.passes, RenderPass::kHair);
   Camera camera;

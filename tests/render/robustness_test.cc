@@ -15,7 +15,7 @@ namespace {
 using RendererInput = OffscreenTest;
 using PassTimes = OffscreenTest;
 
-// llvmpipe's own stamps have the time of the last tile alone, here an eighth or less.
+// llvmpipe's own time stamps cover only the last tile, here at most an eighth.
 TEST_F(PassTimes, OfASoftwareRendererAreWholeAndOfThePassThatTookThem) {
   if (!gl::currentIsSoftware()) GTEST_SKIP() << "of a GPU the processor's clock tells too much";
   const gl::Program slow(
@@ -33,7 +33,7 @@ TEST_F(PassTimes, OfASoftwareRendererAreWholeAndOfThePassThatTookThem) {
   slow.use();
   PassClock clock;
   std::chrono::steady_clock::time_point begin;
-  for (int again = 0; again < 2; ++again) {  // the first compiles
+  for (int again = 0; again < 2; ++again) {  // the first run compiles
     glFinish();
     begin = std::chrono::steady_clock::now();
     clock.restart();
@@ -50,7 +50,7 @@ TEST_F(PassTimes, OfASoftwareRendererAreWholeAndOfThePassThatTookThem) {
   glDeleteVertexArrays(1, &no_vertices);
 }
 
-// llvmpipe gives four to who asks for two or three.
+// llvmpipe gives four samples for two or three.
 TEST_F(RendererInput, HoweverManySamplesAreAskedForThoseOfTheDeviceAreTold) {
   for (const int wanted : {0, 1, 2, 3, 4, 8, 1000}) {
     const PictureBuffer picture(8, 8, wanted);
@@ -119,7 +119,7 @@ TEST_F(RendererInput, GuidesThatAreNotFiniteLoseTheirHairsOnly) {
   renderer.draw(frame, camera);
   EXPECT_EQ(renderer.statistics().guides_unusable, 1u);
   EXPECT_NE(renderer.read().rgb, none.rgb);
-  // Without any hair the middle of the picture is the background, which has no edges.
+  // Without hair the middle of the picture is the background, which has no edges.
   for (int x = 33; x < 95; ++x)
     EXPECT_NEAR(linearValue(none, x, 30, 1), linearValue(none, x - 1, 30, 1), 0.01) << x;
 }
@@ -167,7 +167,7 @@ TEST_F(RendererInput, LampsMayBeAnywhere) {
     light.intensity = 0;
     const Image dark = picture(light);
     light.intensity = 0.5f;
-    // In the middle of the hair, on a vertex of a guide, where the eye is, beside it, and far off.
+    // In the middle of the hair, on a vertex of a guide, at the eye, beside it, and far away.
     for (const Vec3& place :
          {Vec3(0, 0, 0), groom.guides.strand(14)[2], Camera{}.eye, Vec3(0, -0.08f, 0.9f), Vec3(0, 90, 0)}) {
       light.position = place;

@@ -1,4 +1,4 @@
-// Kajiya-Kay shading of a bundle bent over a cylinder against the same formula on the CPU.
+// Kajiya-Kay shading of a bundle bent over a cylinder, against the same formula on the CPU.
 #include <numbers>
 
 #include "lamp.h"
@@ -9,7 +9,7 @@ namespace strandcast {
 namespace {
 
 using Vec = Eigen::Vector3d;
-constexpr double kRadius = 0.1, kTop = 1.5, kBottom = -0.6;  // m, rad above the horizon
+constexpr double kRadius = 0.1, kTop = 1.5, kBottom = -0.6;  // m; rad above the horizon
 
 GroomDescription bentBundle() {
   GroomDescription groom;
@@ -64,8 +64,8 @@ Light sun() {
 }
 
 struct HighlightError {
-  int peak = 0;      ///< rows by which the highlight is elsewhere
-  double worst = 0;  ///< of a row's brightness, relative
+  int peak = 0;      ///< displacement of the highlight, rows
+  double worst = 0;  ///< largest relative error of a row's brightness
 };
 HighlightError highlightError(RenderSettings settings, int segments, HairShading shading,
                               const Light& light) {
@@ -74,7 +74,7 @@ HighlightError highlightError(RenderSettings settings, int segments, HairShading
   settings.segments = segments;
   settings.shading = shading;
   settings.hair_width = 1e-3f;             // covers the bundle
-  settings.growth.clump_radius = 1.5e-4f;  // the tangents are the guides'
+  settings.growth.clump_radius = 1.5e-4f;  // so that tangents are the guides'
   settings.growth.tip_deviation = settings.growth.whole_deviation = 0;
   settings.shadows = false;
   settings.lights = {light};
@@ -95,13 +95,13 @@ HighlightError highlightError(RenderSettings settings, int segments, HairShading
   double measured_most = 0, expected_most = 0, worst = 0;
   int rows = 0;
   for (int y = 0; y < 256; ++y) {
-    double height = 0;  // where the ray through the row meets the cylinder
+    double height = 0;  // of the intersection of the row's ray with the cylinder
     for (int i = 0; i < 8; ++i) {
       const double depth = std::sqrt(std::max(kRadius * kRadius - height * height, 0.0));
       height = 0.05 + half_height * (1 - 2 * (y + 0.5) / 256) * (4 - depth) / 4;
     }
     const double sine = height / kRadius;
-    if (sine > 0.85 || sine < -0.15) continue;  // neither the outline nor the thinning tips
+    if (sine > 0.85 || sine < -0.15) continue;  // excludes the outline and the thinning tips
     const double a = std::asin(sine), along = (kTop - a) / (kTop - kBottom);
     const Vec position(0, height, kRadius * std::cos(a)), tangent(0, -std::cos(a), std::sin(a));
     double expected = 0, measured = 0;
@@ -119,22 +119,22 @@ HighlightError highlightError(RenderSettings settings, int segments, HairShading
 }
 
 TEST_F(LightOnHair, HighlightOfABentBundleIsWhereAndAsBrightAsTheFormulaSays) {
-  // Lamps so near that their distance counts; the spot's edge lies on the bundle.
+  // Lamps so near that the distance matters; the spot's edge is on the bundle.
   const Vec3 lamp(0, 0.25f, 0.35f);
   for (const Light& light :
        {sun(), pointLight(lamp, 0.05f), spotLight(lamp, Vec3(0, -0.7f, -1), 0.25f, 0.1f)}) {
     for (const HairShading shading : {HairShading::kVertex, HairShading::kFragment}) {
-      // With many nodes, as the highlight is narrow.
+      // Many nodes, because the highlight is narrow.
       const HighlightError error = highlightError(smallPicture(), 64, shading, light);
       EXPECT_LE(error.peak, 3) << static_cast<int>(light.kind);
-      EXPECT_LT(error.worst, 0.08) << static_cast<int>(light.kind);  // strands average over 56 columns; their
-                                                                     // shades spread by a fifth
+      // Strands average over 56 columns; their shades vary by a fifth.
+      EXPECT_LT(error.worst, 0.08) << static_cast<int>(light.kind);
     }
   }
 }
 
-/// Part of the light from straight across a hair of one colour that it sends on, by scattered() of
-/// hair_shading.glsl without its factor.
+/// Fraction of the light perpendicular to a grey hair that it scatters, by scattered() of hair_shading.glsl
+/// without energyFactor().
 double scatteredPart(double base) {
   constexpr int kParts = 300;
   constexpr double kPi = std::numbers::pi;

@@ -1,4 +1,4 @@
-// Deep opacity maps against the sum of what lies along each ray of the light.
+// Deep opacity maps against the sum along each ray of the light.
 #include <algorithm>
 
 #include "lamp.h"
@@ -29,7 +29,7 @@ TEST(LayerEnds, FollowEachRuleAndEndAtTheDepth) {
 
 class DeepOpacity : public OffscreenTest {
  protected:
-  /// Slanting hair, so that the light sees it at many depths.
+  /// Slanted hair, so that the light sees it at many depths.
   static StrandSet guides() {
     StrandSet guides;
     for (int i = 0; i < 100; ++i) {
@@ -50,7 +50,7 @@ class DeepOpacity : public OffscreenTest {
 
 constexpr int kMapSize = 64;
 
-/// One of each kind: far off, near the hair, and a cone that takes in a part of it.
+/// One of each kind: distant, near the hair, and a cone that covers a part of it.
 std::vector<Light> lights() {
   return {Light{}, pointLight(Vec3(0.4f, 0.3f, 0.5f), 1),
           spotLight(Vec3(0.1f, 0.3f, 0.3f), Vec3(0, -1, -0.7f), 0.2f, 1)};
@@ -61,7 +61,8 @@ TEST_F(DeepOpacity, MapsHoldAsMuchHairAsALampSees) {
     const RenderSettings wanted = settings(pointLight(place, 1));
     LightProbe probe(guides(), wanted);
     constexpr int kFine = 256;
-    // Solid angle of hair as the lamp sees it, by what each texel has and how much the lamp sees through it.
+    // Solid angle of the hair from the lamp: the sum over texels of their optical depth times their solid
+    // angle.
     double held = 0;
     for (const LightFragment& f : probe.fragments(kFine)) {
       const double x = (2 * (static_cast<double>(f.x) + 0.5) / kFine - 1) * probe.slope(),
@@ -101,7 +102,7 @@ TEST_F(DeepOpacity, IsExactAtTheEndOfEveryLayer) {
           layers.beyond = beyond;
           layers.depth = 0.04f;
           layers.map_size = kMapSize;
-          // Where the front is in texels that have hair.
+          // Positions of the front in texels that contain hair.
           std::vector<Vec3> points;
           for (size_t i = 0; i < fragments.size(); i += 499)
             points.emplace_back((fragments[i].x + 0.5f) / kMapSize, (fragments[i].y + 0.5f) / kMapSize,
@@ -111,7 +112,7 @@ TEST_F(DeepOpacity, IsExactAtTheEndOfEveryLayer) {
           const float depth = beyond == BeyondLayers::kReach ? range : layers.depth;
           const auto ends = layerEnds(layers, depth);
           std::vector<Vec3> asked;
-          // A piece of hair within rounding of a layer's end may be on either side.
+          // A fragment within rounding of a layer's end may be on either side.
           std::vector<double> least, most;
           for (size_t p = 0; p < points.size(); ++p) {
             ASSERT_LT(fronts[p].behind, range) << "there is hair";
@@ -121,7 +122,7 @@ TEST_F(DeepOpacity, IsExactAtTheEndOfEveryLayer) {
               if (f.x == std::floor(points[p].x() * kMapSize) && f.y == std::floor(points[p].y() * kMapSize))
                 texel.push_back(f);
             for (int k = 0; k < count; ++k) {
-              // Past the end of the last one too.
+              // For the last layer, also a point beyond its end.
               const float past = k + 1 == count ? 0.01f : 0;
               asked.emplace_back(points[p].x(), points[p].y(),
                                  static_cast<float>(front + (ends[k] + past) / range));
@@ -140,7 +141,7 @@ TEST_F(DeepOpacity, IsExactAtTheEndOfEveryLayer) {
           double deepest = 0;
           for (size_t i = 0; i < answers.size(); ++i) {
             deepest = std::max(deepest, most[i]);
-            // Half floats are added up, rounded at each of a hundred pieces.
+            // Half floats are accumulated, with rounding at each of about a hundred fragments.
             EXPECT_GT(answers[i].optical_depth, 0.98 * least[i] - 0.002) << count << " layers";
             EXPECT_LT(answers[i].optical_depth, 1.02 * most[i] + 0.002) << count << " layers";
           }
@@ -161,7 +162,7 @@ TEST_F(DeepOpacity, FilterAveragesTheTexelsAround) {
   const std::vector<LightAnswer> sharp = probe.ask(layers, all);
   layers.filter = 1;
   const std::vector<LightAnswer> soft = probe.ask(layers, all);
-  // Far behind the last layer the depth does not matter, so neighbours can be added up.
+  // Far behind the last layer the depth does not matter, so neighbours can be averaged.
   int compared = 0;
   for (int y = 1; y < 23; ++y) {
     for (int x = 1; x < 23; ++x) {

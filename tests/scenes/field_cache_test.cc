@@ -8,11 +8,11 @@
 
 #include "collision/field_bake.h"
 #include "core/error.h"
-#include "groom/mesh_file.h"
+#include "io/mesh_file.h"
 #include "tests/collision/shapes.h"
 #include "tests/full_disk.h"
-#include "tests/groom/sample_files.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/sample_files.h"
+#include "tests/io/scratch_folder.h"
 
 namespace strandcast {
 namespace {
@@ -84,7 +84,7 @@ TEST(FieldCache, AFileOfWhichOneBitIsAnotherIsBakedAnewAndReplaced) {
   stream.close();
   const SceneField again = fieldOf(ball, options, cache, progress);
   EXPECT_FALSE(again.from_cache);
-  EXPECT_NE(again.note.find("baked anew"), std::string::npos) << again.note;
+  EXPECT_NE(again.note.find("baked again"), std::string::npos) << again.note;
   EXPECT_NE(again.trouble.find("damaged"), std::string::npos) << again.trouble;
   EXPECT_EQ(again.field.samples, baked.samples);
   EXPECT_TRUE(fieldOf(ball, options, cache, progress).from_cache) << "it has taken the damaged one's place";
@@ -97,7 +97,7 @@ TEST(FieldCache, TimeAndMemoryOfABakeAreToldFromItsBeginningOn) {
   std::vector<std::string> told;
   const auto progress = [&](const std::string& what, double) {
     if (what.find(" s, ") != std::string::npos) told.push_back(what);
-    return told.empty();  // stopped at once
+    return told.empty();  // stops at once
   };
   EXPECT_THROW(fieldOf(shapes::sphere(0.05f, 2), options, FieldCache(folder.path()), progress), BakeStopped);
   ASSERT_EQ(told.size(), 1u);
@@ -199,7 +199,8 @@ TEST(FieldCache, LiesWhereTheUsersCachesLie) {
   if (before != nullptr) setenv("XDG_CACHE_HOME", kept.c_str(), 1);
 }
 
-/// A prism over a U of 0.2 m, its caps one face each that begins with corner `first`, or of three quads.
+/// A prism with a U-shaped base of 0.2 m. Each cap is one face that begins with corner `first`, or three
+/// quads.
 TriangleMesh prismOfU(int first, bool of_quads) {
   std::string text;
   for (const char* z : {"0.05", "-0.05"})

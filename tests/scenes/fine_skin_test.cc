@@ -1,4 +1,4 @@
-// A coarse skin in triangles that weights change little over.
+// Refinement of a coarse skin into triangles over which weights change little.
 #include "scenes/fine_skin.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <map>
 
 #include "collision/mesh_query.h"
-#include "tests/groom/skinned_arm.h"
+#include "tests/io/skinned_arm.h"
 
 namespace strandcast {
 namespace {
@@ -42,7 +42,7 @@ TEST(FineSkin, OverEachTriangleWeightsChangeLittleAndNothingOpens) {
   for (const auto& [edge, count] : edges) EXPECT_EQ(count, 0);
 }
 
-// Blended from weights of their own they would stand off them.
+// If blended from weights of their own, the added vertices would lie off the triangles.
 TEST(FineSkin, ItsVerticesStayInTheFlatTrianglesOfTheMesh) {
   const SkinnedMesh skin = armOf(0.1f, 8);
   const FineSkin fine = fineSkin(skin);

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "collision/tree_broad_phase.h"
-#include "groom/file_bytes.h"
+#include "io/file_bytes.h"
 #include "scenes/scene.h"
 #include "simd/simd_backend.h"
-#include "tests/groom/scratch_folder.h"
-#include "tests/groom/skinned_arm.h"
+#include "tests/io/scratch_folder.h"
+#include "tests/io/skinned_arm.h"
 
 namespace strandcast {
 
@@ -28,8 +28,8 @@ inline void writeStrands(const std::filesystem::path& file, const std::vector<st
   }
 }
 
-/// Hair (hair.obj, to be written) on an arm that is written into `folder` and whose clip bends it by 60
-/// degrees within a second; hair grows on the upper joint. Its fields are baked once for all tests.
+/// Hair on an arm. Writes the arm into `folder`; the caller writes hair.obj. The arm's clip bends it by 60
+/// degrees within a second; hair grows on the upper joint. The fields are baked once for all tests.
 inline SceneOptions bendingArm(const ScratchFolder& folder, UpAxis up) {
   static const ScratchFolder baked;
   writeFileBytes(folder / "arm.glb", samples::armGlb());
@@ -44,7 +44,7 @@ inline SceneOptions bendingArm(const ScratchFolder& folder, UpAxis up) {
   return options;
 }
 
-/// Of a scene, by the rod.
+/// A simulation of a scene with the rod solver.
 inline Simulation simulated(const Scene& scene, std::unique_ptr<Backend> backend = makeSimdBackend()) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
@@ -52,15 +52,15 @@ inline Simulation simulated(const Scene& scene, std::unique_ptr<Backend> backend
                     makeTreeBroadPhase());
 }
 
-/// A step to where clip and motion are at its end.
+/// Steps a simulation, with clip and motion at the time of the step's end.
 inline void stepWith(const Scene& scene, Simulation& simulation) {
   const double end = simulation.time() + static_cast<double>(simulation.parameters().time_step);
   moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
   simulation.step();
 }
 
-/// `count` strands of `length` (m) that stand out all round an arm along Y (samples::ArmOptions), from `from`
-/// to `to` (m) along it; their roots are on a cylinder of `radius`.
+/// `count` strands of `length` (m) that stand out on all sides of an arm along Y (samples::ArmOptions),
+/// between `from` and `to` (m) along it. Their roots are on a cylinder of `radius` (m).
 inline std::vector<std::vector<Vec3>> fur(int count, float from, float to, float radius, float length,
                                           int vertices = 8) {
   std::vector<std::vector<Vec3>> strands;

@@ -15,8 +15,8 @@ namespace {
 
 using Golden = std::map<std::pair<std::string, std::string>, uint64_t>;  // by scene and solver
 
-// A change here is a change of the physics or of a scene: say so in the change log. To renew the table, run
-// golden_hashes_test and copy the lines that it prints.
+// A change of a hash is a change of the physics or of a scene: note it in the change log. To renew the table,
+// run golden_hashes_test and copy the lines that it prints.
 const Golden& goldenHashes() {
   static const Golden table = {
       {{"straight", "rod"}, 12164754414526500347ull}, {{"straight", "gauss_seidel"}, 7103694705039075236ull},
@@ -27,8 +27,8 @@ const Golden& goldenHashes() {
   return table;
 }
 
-// Functions of the C library may differ in their last place from machine to machine, and with them the grown
-// hair and the shapes of the body; what is a multiple of 15 um does not.
+// Functions of the C library may differ in the last digit from machine to machine, and with them the grown
+// hair and the shapes of the body. Rounding to multiples of 15 um removes these differences.
 float snapped(float meters) { return std::round(meters * 65536) / 65536; }
 Vec3 snapped(const Vec3& place) {
   return place.unaryExpr([](float x) { return snapped(x); });
@@ -56,7 +56,8 @@ uint64_t hashAfterAShake(const std::string& name, SolverKind solver) {
   parameters.solver = solver;
   Simulation simulation(sceneModel(scene), scene.bodies, parameters, makeReferenceBackend());
   for (int i = 1; i <= 30; ++i) {
-    // To and fro in a parabola, and a turn about y whose quaternion is found by products and a root alone.
+    // A parabola back and forth, and a rotation about y whose quaternion needs only products and a square
+    // root.
     const float t = static_cast<float>(i) / 30, y = 0.3f * t * (1 - t);
     simulation.setHeadPose({Vec3(0.2f * t * (1 - t), 0, 0.05f * t), Quat(std::sqrt(1 - y * y), 0, y, 0)});
     simulation.step();

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "tests/io/sample_clip.h"
 #include "tests/real_data.h"
-#include "tests/scenes/sample_clip.h"
 
 namespace strandcast {
 namespace {
@@ -90,13 +90,13 @@ TEST(HeadMotion, AClipLoopsInPlace) {
   for (double t = 0.6; t < 1; t += 0.013) {
     EXPECT_LT(degreesBetween(motion(t), motion(t + kPeriod)), 0.2) << t;
     EXPECT_NEAR((motion(t).position - motion(t + kPeriod).position).norm(), 0, 1e-4);
-    EXPECT_LT(motion(t).apply(kPivot).z() - kPivot.z(), 0.05f);  // the walk of 0.4 m is taken out
+    EXPECT_LT(motion(t).apply(kPivot).z() - kPivot.z(), 0.05f);  // the walk of 0.4 m is removed
   }
 }
 
 TEST(HeadMotion, AClipIsScaledByItsUnit) {
   const ScratchFile file("unit.bvh", kSampleClip);
-  // Frame 2 of the sample is 0.5 units to the side; time runs 0.25 s late after the start.
+  // Frame 2 of the sample is 0.5 units to the side. After the smooth start, clip time lags by 0.25 s.
   const Pose small = bvhMotion(file.path, kPivot, {0.01f, ""})(0.45 + 0.4),
              large = bvhMotion(file.path, kPivot, {0.1f, ""})(0.45 + 0.4);
   const float side = small.apply(kPivot).x();

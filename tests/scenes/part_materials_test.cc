@@ -97,8 +97,8 @@ TEST(PartMaterials, ATaperThatFloatsCannotSolveIsRefused) {
   EXPECT_EQ(taken({0, 10, 1, 0.1}, {0, 10, 1, 0.1}), "");
   EXPECT_EQ(taken({0, 1, 0.5, 0.1, 1, 1}, {0, 0.001, 1, 1000}), "");
   EXPECT_EQ(taken({0, 0.1, 1, 1000}, {1}),
-            "'radius_curve' makes hair 10000 times as thick in one place as in another: material of part "
-            "'cap'; let its factors differ by 100 times at most");
+            "'radius_curve' makes hair 10000 times as thick at one place as at another: material of part "
+            "'cap'; make its factors differ by a factor of at most 100");
   EXPECT_NE(taken({0, 1, 1, 100}, {0, 0.001, 1, 1000}).find("1e+14 times as stiff"), std::string::npos);
 }
 
@@ -111,8 +111,8 @@ TEST(PartMaterials, MassesThatFloatsCannotSolveAreRefused) {
   EXPECT_EQ(taken({1}, {0, 0.1, 1, 10}), "");
   EXPECT_EQ(taken({0, 1, 1, 100}, {0, 1, 1, 0.1}), "") << "they make up for each other";
   EXPECT_EQ(taken({0, 100, 1, 1}, {0, 2, 1, 1}),
-            "'radius_curve' and 'density_curve' make hair 20000 times as heavy in one place as in another: "
-            "material of part 'cap'; let radius^2 x density differ by 10000 times at most");
+            "'radius_curve' and 'density_curve' make hair 20000 times as heavy at one place as at another: "
+            "material of part 'cap'; make radius^2 x density differ by a factor of at most 10000");
   EXPECT_NE(taken({0.5, 1, 0.5, 50}, {0.5, 1, 0.5, 10}).find("25000 times as heavy"), std::string::npos)
       << "two jumps at one place";
 }
@@ -125,8 +125,7 @@ TEST(PartMaterials, AScaleTimesItsCurveHasTheRangeOfEither) {
   };
   EXPECT_EQ(taken(10, {0, 0, 1, 100}), "");
   EXPECT_EQ(taken(20, {0, 0, 1, 100}),
-            "'friction_scale' x 'friction_curve' is up to 2000: material of part 'cap'; let it be 1000 at "
-            "most");
+            "'friction_scale' x 'friction_curve' is up to 2000: material of part 'cap'; give at most 1000");
 }
 
 TEST(MaterialSettings, EveryOneTakesTheLimitsOfItsRangeAndNothingBeyond) {
@@ -162,7 +161,7 @@ TEST(MaterialSettings, ACurveIsGivenByItsKnots) {
   EXPECT_NE(errorOf("radius_curve", {0, 1, 1.5, 1}).find("places in order"), std::string::npos);
   for (const std::vector<double>& knots :
        {std::vector<double>{0, 1, 0, 0.5}, {0, 1, 1, 0.5, 1, 0.4}, {0.5, 1, 0.5, 0.8, 0.5, 0.4}})
-    EXPECT_NE(errorOf("radius_curve", knots).find("not all count"), std::string::npos);
+    EXPECT_NE(errorOf("radius_curve", knots).find("more than it can use"), std::string::npos);
   EXPECT_EQ(errorOf("radius_curve", {0.5, 1, 0.5, 0.4}), "") << "a step";
 }
 

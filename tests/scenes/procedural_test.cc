@@ -227,7 +227,7 @@ TEST_P(Styles, NoHairCrossesTheFace) {
 
 TEST_P(Styles, TheScalpIsCoveredEvenly) {
   const StrandSet strands = makeProceduralGroom(options()).strands;
-  // 800 roots on about 0.06 m^2: none of the full scalp's places is farther than 2 spacings from a root.
+  // 800 roots on about 0.06 m^2: no point of the full scalp is farther than 2 spacings from a root.
   for (size_t v = 0; v < body().mesh.positions.size(); v += 5) {
     const Vec3& p = body().mesh.positions[v];
     if (scalpDensity(p) < 0.99f) continue;

@@ -12,12 +12,12 @@
 #include "simd/simd_backend.h"
 #include "tests/collision/shapes.h"
 #include "tests/error_of.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 
 namespace strandcast {
 namespace {
 
-// Five hairs of 12 cm that grow to the side of the origin and fall, and further bodies.
+// Five hairs of 12 cm that grow sideways from the origin and fall, and further bodies.
 class ScenePrimitives : public testing::Test {
  protected:
   ScenePrimitives() {
@@ -54,13 +54,13 @@ class ScenePrimitives : public testing::Test {
   std::string error() const {
     return errorOf([&] { makeScene(options_); });
   }
-  /// m, from the surface of what the scene has, at rest.
+  /// Distance of a point from the surface of a shape of the scene at rest, m.
   static float distance(const ContactPrimitive& shape, const Vec3& p) {
     ShapeData data;
     const uint32_t at = data.add(shape);
     return signedDistance(moved(shape, Pose{}, Pose{}, 1, at), p, data.words);
   }
-  /// Where the tip of the middle hair is after a second in which the head goes up by `rise`.
+  /// Position of the tip of the middle hair after a second in which the head rises by `rise`.
   static Vec3 tipAfter(const Scene& scene, float rise) {
     Parameters parameters = scene.parameters;
     parameters.solver = SolverKind::kRod;
@@ -111,15 +111,15 @@ TEST_F(ScenePrimitives, OneWithANameIsABodyOfItsOwn) {
   EXPECT_FALSE(scene.bodies[2].follows_head);
   options_.primitives[3].name = "hat";
   options_.primitives[3].where = "hair.toml line 20";
-  EXPECT_EQ(error(),
-            "two bodies are called 'hat': hair.toml line 20; give it a name of its own: the other is "
-            "hair.toml line 9");
+  EXPECT_EQ(
+      error(),
+      "two bodies are called 'hat': hair.toml line 20; give it a unique name: the other is hair.toml line 9");
   options_.primitives[3].name = "bust";
   options_.body_name = "bust";
-  EXPECT_NE(error().find("'bust': hair.toml line 20; give it a name of its own: the other is [body]"),
+  EXPECT_NE(error().find("'bust': hair.toml line 20; give it a unique name: the other is [body]"),
             std::string::npos);
   options_.primitives.clear();
-  EXPECT_NE(error().find("there is no body to be called 'bust'"), std::string::npos);
+  EXPECT_NE(error().find("no body is given for the name 'bust'"), std::string::npos);
 }
 
 TEST_F(ScenePrimitives, OneWithANameThatStandsIsPlacedByItsPose) {
@@ -269,7 +269,7 @@ TEST_F(ScenePrimitives, HairLiesOnThem) {
     for (const bool follows : {true, false}) {
       options_.primitives[0].follows_head = follows;
       EXPECT_NEAR(tipAfter(makeScene(options_), 0).y(), -0.02f, 5e-4f) << "at rest";
-      // The head takes the slab along, or draws the hair off it.
+      // The head carries the slab along, or lifts the hair off it.
       EXPECT_NEAR(tipAfter(makeScene(options_), 0.03f).y(), follows ? 0.01f : -0.02f, 5e-3f);
     }
   }
@@ -305,7 +305,7 @@ TEST_F(ScenePrimitives, AMeshOfAnUnlikelySizeIsToldOfAsItsUnit) {
       expected.push_back(box.string() +
                          fmt::format(": with a unit of {:g} m it is {} large: give its unit", unit, size));
     EXPECT_EQ(makeScene(options_).warnings, expected);
-    stone.file = "box.obj";  // as those that commands name
+    stone.file = "box.obj";  // as for meshes named by commands
     stone.beneath = folder_.path();
     for (std::string& line : expected) line.replace(0, box.string().size(), "box.obj");
     EXPECT_EQ(primitiveBodies({stone}, {}, {}, {}).warnings, expected);

@@ -11,19 +11,19 @@
 #include "collision/field_bake.h"
 #include "core/error.h"
 #include "core/sag_free.h"
-#include "groom/file_bytes.h"
-#include "groom/mesh_file.h"
+#include "io/file_bytes.h"
+#include "io/mesh_file.h"
 #include "simd/simd_backend.h"
 #include "tests/collision/shapes.h"
-#include "tests/groom/gltf_builder.h"
-#include "tests/groom/sample_files.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/gltf_builder.h"
+#include "tests/io/sample_files.h"
+#include "tests/io/scratch_folder.h"
 #include "tests/real_data.h"
 
 namespace strandcast {
 namespace {
 
-/// Runs `steps` steps of a scene and gives the worst of what was measured after each.
+/// Runs `steps` steps of a scene and returns the worst of the measurements, taken every ten steps.
 Measurement run(const Scene& scene, int steps) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
@@ -49,7 +49,7 @@ TEST(Scenes, EveryNamedSceneKeepsItsLengthAndStaysOutOfTheBody) {
     const Measurement worst = run(makeScene(options), 120);
     EXPECT_EQ(worst.non_finite, 0u) << info.name;
     EXPECT_LT(worst.max_penetration, 1e-3) << info.name;
-    // The ponytail is pinned at its tie too: the edge before a pin takes what the others leave over.
+    // The ponytail is pinned at its tie as well: the edge before a pin takes up the remaining length error.
     EXPECT_LT(worst.max_stretch, info.name == "ponytail" ? 0.05 : 1e-4) << info.name;
   }
 }
@@ -99,8 +99,8 @@ TEST(Scenes, UnknownNamesAreErrorsThatListTheKnownOnes) {
   }
 }
 
-// A ball of 10 cm, and hair that starts 4 mm in it and stands out; one strand goes through the ball and out
-// again.
+// A ball of 10 cm, and hair that starts 4 mm inside and stands out. One strand passes through the ball and
+// out again.
 class BallScene : public testing::Test {
  protected:
   BallScene() {
@@ -145,7 +145,7 @@ TEST_F(BallScene, HairThatStartsInTheBodyNeitherPopsNorSinksIn) {
   const Scene scene = makeScene(options_);
   ASSERT_EQ(scene.bodies.size(), 1u);
   EXPECT_EQ(scene.bodies[0].primitives[0].kind, PrimitiveKind::kField);
-  EXPECT_TRUE(noted(scene, "may stay as deep"));
+  EXPECT_TRUE(noted(scene, "may stay that deep"));
   StrandModel model = sceneModel(scene);
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
@@ -207,11 +207,11 @@ TEST_F(BallScene, ABodyThatEnclosesNothingIsWarnedOf) {
   options_.body_cell = 0;
   for (const char* body : {"quad.obj", "sliver.obj"}) {
     options_.body = folder_ / body;
-    EXPECT_TRUE(isIn(makeScene(options_).warnings, "hair goes through it")) << body;
+    EXPECT_TRUE(isIn(makeScene(options_).warnings, "hair passes through it")) << body;
   }
 }
 
-/// The ball with the triangles on one side of it wound the other way.
+/// The ball with the triangles on one side of it reversed.
 void writeMirroredBall(const std::filesystem::path& file) {
   const TriangleMesh ball = shapes::sphere(0.1f, 3);
   std::ofstream body(file);
@@ -270,10 +270,10 @@ TEST_F(BallScene, SpheresThatAreNotThereAreToldOfAsItIs) {
   EXPECT_TRUE(none.warnings.empty()) << none.warnings[0];
   options_.body_primitives = 1;
   std::ofstream(folder_ / "hair.obj") << "v 0.1 0 0\nv 0 0 0\nv -0.1 0 0\nl 1 2 3\n";
-  EXPECT_TRUE(isIn(makeScene(options_).warnings, "hair is at rest in each of the 1 spheres"));
+  EXPECT_TRUE(isIn(makeScene(options_).warnings, "hair at rest lies in each of the 1 spheres"));
 }
 
-// Hair of 30 cm, in centimetres, with its roots where `root` is in metres.
+// Hair of 30 cm, in centimetres. `root`: position of the roots in metres.
 void writeHair(const std::filesystem::path& file, const Vec3& root) {
   std::ofstream hair(file);
   for (int s = 0; s < 4; ++s) {
@@ -293,7 +293,7 @@ TEST_F(BallScene, AGltfBodyIsInMetresWhateverTheUnitOfItsHair) {
   const Scene scene = makeScene(options_);
   EXPECT_FLOAT_EQ(scene.groom.report.unit_meters, 0.01f);
   EXPECT_EQ(scene.body.positions, quad.positions);
-  EXPECT_FALSE(isIn(scene.warnings, "and one place?"));
+  EXPECT_FALSE(isIn(scene.warnings, "and the same place?"));
   options_.units = {0.01f, UpAxis::kX};
   EXPECT_EQ(makeScene(options_).body.positions, quad.positions) << "unit and axis given are the groom's";
   options_.body_units = {0.5f, UpAxis::kZ};
@@ -305,14 +305,14 @@ TEST_F(BallScene, AGltfBodyIsInMetresWhateverTheUnitOfItsHair) {
   options_.body_units = {};
   options_.units = {0, UpAxis::kY};
   writeHair(options_.groom[0], quad.positions[0] + Vec3(3, 4, 5));
-  EXPECT_TRUE(isIn(makeScene(options_).warnings, "and one place?"));
+  EXPECT_TRUE(isIn(makeScene(options_).warnings, "and the same place?"));
   options_.body = folder_ / "ball.obj";
   options_.body_cell = 0;
   EXPECT_NEAR(makeScene(options_).body.bounds().max().x(), 0.001f, 1e-5f) << "the guess is its own too";
 }
 
 TEST_F(BallScene, AGuessedUnitFitsTheRootsToABodyInMetres) {
-  samples::GltfBuilder builder;  // of a body to which roots lie near in one unit only
+  samples::GltfBuilder builder;  // a body to which the roots are near in one unit only
   std::vector<Vec3> corners = samples::tetrahedron();
   for (Vec3& corner : corners) corner += Vec3(1, 1, 1);
   const size_t position = builder.points(corners), indices = builder.indices(samples::tetrahedronTriangles());
@@ -333,7 +333,7 @@ TEST_F(BallScene, AGuessedUnitFitsTheRootsToABodyInMetres) {
     const Scene scene = makeScene(options_);
     EXPECT_FLOAT_EQ(scene.groom.report.unit_meters, unit) << "hair of 2 m and more looks like a smaller unit";
     EXPECT_TRUE(isIn(scene.warnings, "the unit is guessed")) << unit;
-    EXPECT_FALSE(isIn(scene.warnings, "and one place?")) << unit;
+    EXPECT_FALSE(isIn(scene.warnings, "and the same place?")) << unit;
   }
 }
 
@@ -415,9 +415,9 @@ struct RealGroom {
   std::vector<const char*> files;
   const char* body;
   float unit;
-  float body_cell;  ///< m: coarse, so that it is baked in seconds
-  /// m, below the surface or below where it is at rest. The bear has short hair that lies as a whole
-  /// centimetres in the skin, where normals turn within a cell.
+  float body_cell;  ///< m: coarse, for a bake within seconds
+  /// m, allowed depth below the surface, or below the depth at rest. The bear has short hair that lies
+  /// centimetres inside the skin, where normals change within a cell.
   double deepest;
   size_t strands;
 };

@@ -1,4 +1,4 @@
-// How well parts follow a skin that is blended.
+// Accuracy with which parts follow a blended skin.
 #include "scenes/skin_parts.h"
 
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <string>
 
 #include "collision/mesh_query.h"
-#include "tests/groom/expect_error.h"
-#include "tests/groom/skinned_arm.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/skinned_arm.h"
 #include "tests/real_data.h"
 #include "tests/sanitized.h"
 #include "tests/thorough.h"
@@ -19,8 +19,8 @@
 namespace strandcast {
 namespace {
 
-/// The skin and its parts at a time of a clip. The parts' meshes are at rest: what is asked about a
-/// place is asked about where it was then.
+/// The skin and its parts at a time of a clip. Meshes of parts are at rest, so that a query point must be
+/// transformed back to rest.
 struct Blended {
   TriangleMesh skin;
   std::vector<Pose> poses;
@@ -42,12 +42,13 @@ Blended blendedAt(const SkinnedMesh& skin, const std::vector<SkinPart>& parts, d
   return out;
 }
 
+/// m, distance between the surfaces of the parts and of the skin.
 struct Apart {
-  double mean = 0, most_below = 0, most_above = 0;  ///< m: of the parts' surface from the skin's
+  double mean = 0, most_below = 0, most_above = 0;
 };
 
-/// At all vertices of the skin and in the middle of its triangles, in lengths at rest. Above: where the skin
-/// itself has not folded over the place.
+/// Evaluated at all vertices of the skin and at the centres of its triangles, in lengths at rest.
+/// `most_above` leaves out places over which the skin itself has folded.
 Apart apart(const Blended& blended, const std::vector<SkinPart>& parts) {
   std::vector<MeshQuery> queries;
   std::vector<Box> boxes;
@@ -68,7 +69,7 @@ Apart apart(const Blended& blended, const std::vector<SkinPart>& parts) {
   for (size_t n = 0; n < places.size(); ++n) {
     float nearest = 1e9f;
     for (size_t i = 0; i < parts.size(); ++i) {
-      // Beyond a part's box skin is shifted as at its edge (kernels/surface_bend.h).
+      // Outside a part's box the bend at the border of the box applies (kernels/surface_bend.h).
       const Vec3 p = blended.poses[i].inverse().apply(places[n]),
                  within = p.cwiseMax(Vec3(boxes[i].min())).cwiseMin(Vec3(boxes[i].max())),
                  place = p + blended.bends[i].shift(within);
@@ -124,7 +125,7 @@ TEST(SkinParts, AJointsOwnPartGoesWithIt) {
   }
 }
 
-// docs/architecture.md, "Skinned bodies", has these numbers. In the first of them at 60 degrees the skin
+// docs/architecture.md, "Skinned bodies", quotes these numbers. In the first case, at 60 degrees, the skin
 // itself folds.
 TEST(SkinParts, FollowABentArm) {
   for (const float blend : {0.03f, 0.06f, 0.1f}) {
@@ -132,7 +133,7 @@ TEST(SkinParts, FollowABentArm) {
     for (const int between : {0, 5}) {
       const std::vector<SkinPart> parts = cutSkin(skin, between);
       for (const double degrees : {15, 30, 45, 60}) {
-        if (kSanitized && (between == 0 || degrees < 60)) continue;  // the same code, for half a minute
+        if (kSanitized && (between == 0 || degrees < 60)) continue;  // the same code, half a minute
         const Apart a = apart(blendedAt(skin, parts, degrees / 60), parts);
         std::printf(
             "weights go over in %3.0f mm, %zu parts, bent by %2.0f degrees: mean %.2f mm, %.1f below, %.1f "
@@ -148,8 +149,8 @@ TEST(SkinParts, FollowABentArm) {
   }
 }
 
-// A triangle of this arm is as long as the whole elbow, so what hangs on neither joint alone is a band of
-// large triangles that each go flat from one to the other.
+// A triangle of this arm is as long as the whole elbow. So the region that is weighted to both joints is a
+// band of large triangles, each flat between them.
 TEST(SkinParts, FollowABentArmOfFewTriangles) {
   samples::ArmOptions options;
   options.spacing = 0.1f;
@@ -168,7 +169,7 @@ TEST(SkinParts, FollowABentArmOfFewTriangles) {
   }
 }
 
-// docs/architecture.md, "Skinned bodies", has these numbers.
+// docs/architecture.md, "Skinned bodies", quotes these numbers.
 TEST(SkinParts, FollowARealFox) {
   if (!thorough()) GTEST_SKIP() << kLeftToThorough;
   const auto file = dataFolder() / "motion" / "Fox.glb";
@@ -195,8 +196,7 @@ TEST(SkinParts, FollowARealFox) {
   }
 }
 
-// What a bend says of places that are far from the vertices that it is found by must not put hair there into
-// a part.
+// A bend extrapolates far from the vertices to which it was fitted. This must not put hair there into a part.
 TEST(SkinParts, PlacesOffTheSkinAreInNoPart) {
   for (const float blend : {0.03f, 0.06f, 0.1f}) {
     const SkinnedMesh skin = readGltfSkin(samples::armGlb(broadArm(blend)), "arm.glb");
@@ -212,7 +212,7 @@ TEST(SkinParts, PlacesOffTheSkinAreInNoPart) {
       for (size_t v = 0; v < surface.positions.size(); ++v) {
         const Vec3 place = surface.positions[v] + off * surface.normals[v];
         const float truth = query.signedDistance(place);
-        if (truth < 0.5f * off) continue;  // in the crease
+        if (truth < 0.5f * off) continue;  // inside the crease
         for (size_t i = 0; i < parts.size(); ++i) {
           const Vec3 p = blended.poses[i].inverse().apply(place);
           least = std::min(least, queries[i].signedDistance(p + blended.bends[i].shift(p)) / truth);
@@ -240,7 +240,7 @@ samples::ArmOptions swellingArm(float bulge) {
   return options;
 }
 
-/// The skin and its parts where its only target has a weight.
+/// The skin and its parts at a weight of its only target.
 Blended swollen(const SkinnedMesh& skin, const std::vector<SkinPart>& parts, float weight) {
   const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest()),
                                bindings = skin.bindingsAt(world, std::vector<float>{weight});
@@ -254,7 +254,7 @@ Blended swollen(const SkinnedMesh& skin, const std::vector<SkinPart>& parts, flo
   return out;
 }
 
-// docs/architecture.md, "Skinned bodies", has these numbers.
+// docs/architecture.md, "Skinned bodies", quotes these numbers.
 TEST(SkinParts, FollowWhatMorphTargetsMove) {
   for (const float bulge : {0.01f, -0.01f}) {
     const SkinnedMesh skin = readGltfSkin(samples::armGlb(swellingArm(bulge)), "arm.glb");

@@ -1,4 +1,4 @@
-// Roots of hair on a skin that is blended: on it, turned with it, and where they are not.
+// Roots of hair on a blended skin: position, rotation, and roots that are not on it.
 #include "scenes/skin_roots.h"
 
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include "collision/mesh_query.h"
 #include "core/backend.h"
 #include "core/sag_free.h"
-#include "groom/file_bytes.h"
-#include "tests/groom/expect_error.h"
-#include "tests/groom/scratch_folder.h"
-#include "tests/groom/skinned_arm.h"
+#include "io/file_bytes.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/scratch_folder.h"
+#include "tests/io/skinned_arm.h"
 #include "tests/scenes/furry_arm.h"
 
 namespace strandcast {
@@ -21,7 +21,7 @@ namespace {
 
 constexpr float kDegree = 3.14159265f / 180;
 
-/// An arm along Y whose forearm bends by 60 degrees within a second, with fur all over it.
+/// An arm along Y whose forearm bends by 60 degrees within a second, with fur all over.
 class SkinRootsOfAnArm : public ::testing::Test {
  protected:
   Scene furry(int strands = 300, float radius = 0.0395f, float length = 0.05f) {
@@ -33,7 +33,7 @@ class SkinRootsOfAnArm : public ::testing::Test {
     simulation.step();
     return simulation.rootPoses();
   }
-  /// Rotation from rest to now.
+  /// Rotation from rest to the current pose.
   static Quat turned(const Pose& now, const Pose& rest) { return now.rotation * rest.rotation.conjugate(); }
   static bool hasNote(const Scene& scene, const std::string& text) {
     return std::any_of(scene.notes.begin(), scene.notes.end(),
@@ -44,7 +44,7 @@ class SkinRootsOfAnArm : public ::testing::Test {
   SceneOptions options_ = bendingArm(folder_, UpAxis::kY);
 };
 
-/// A place on a triangle of the skin, and how much of the skin there hangs on the forearm.
+/// A point of a triangle of the skin, with the forearm's weight there.
 struct OnSkin {
   MeshPoint at;
   double forearm;
@@ -84,13 +84,13 @@ TEST_F(SkinRootsOfAnArm, StayOnTheBlendedSkinAndTurnWithIt) {
     const std::vector<Pose> roots = rootsAt(scene, t, simulation);
     const std::vector<Vec3> skin = scene.skinned->surface(t, {});
     for (size_t s = 0; s < roots.size(); ++s) {
-      // The way from the skin to the root is at rest what it was, turned along.
+      // The offset from the skin to the root is that at rest, rotated with the root.
       const Vec3 way = rest[s].position - under[s].place(scene, scene.body.positions);
       const Vec3 place = under[s].place(scene, skin) + turned(roots[s], rest[s]) * way;
       ASSERT_LT((roots[s].position - place).norm(), 1e-6f) << "strand " << s << " at " << t;
       EXPECT_GT(way.norm(), 1e-5f);
       if (t != 0.8 && t != 1.0 && t != 3.0) continue;
-      // What is the nearest rotation to (1 - s) E + s R of a plane's rotation R is known.
+      // The rotation nearest to (1 - s) E + s R is known in closed form for a rotation R in a plane.
       const double bend = (t == 0.8 ? 48 : 60) * static_cast<double>(kDegree), share = under[s].forearm;
       const double angle = std::atan2(share * std::sin(bend), 1 - share + share * std::cos(bend));
       const Quat expected(Eigen::AngleAxisf(static_cast<float>(angle), Eigen::Vector3f::UnitZ()));
@@ -101,8 +101,8 @@ TEST_F(SkinRootsOfAnArm, StayOnTheBlendedSkinAndTurnWithIt) {
   EXPECT_GT(blended, 100u);
 }
 
-/// The mean and the most, degrees, by which strands of the elbow change their angle to the skin when that is
-/// bent by 60 degrees.
+/// Mean and maximum change, in degrees, of the angle between strands at the elbow and the skin when the arm
+/// bends by 60 degrees.
 std::pair<float, float> leanAtTheElbow(const Scene& scene) {
   Simulation simulation = simulated(scene);
   moveTo(scene.skinned.get(), 1, {}, simulation);
@@ -113,7 +113,7 @@ std::pair<float, float> leanAtTheElbow(const Scene& scene) {
   const std::vector<OnSkin> under = underRoots(scene);
   for (size_t s = 0; s < roots.size(); ++s) {
     if (under[s].forearm < 0.02 || under[s].forearm > 0.98) continue;
-    if (rest[s].position.x() < -0.02f) continue;  // inside of the elbow, where the skin is folded
+    if (rest[s].position.x() < -0.02f) continue;  // inner side of the elbow, where the skin is folded
     const auto angle = [&](const Pose& root, const std::vector<Vec3>& of) {
       return std::acos(
           std::clamp((root.rotation * Vec3(0, 0, 1)).dot(under[s].normal(scene, of)), -1.0f, 1.0f));
@@ -171,7 +171,7 @@ TEST_F(SkinRootsOfAnArm, WhollyOnTheJointAreAsTheJointIsBitForBit) {
   }
   EXPECT_GT(whole, 100u);
   EXPECT_GT(other, 100u);
-  // Those of the other joint share one bone.
+  // All roots of the other joint share one bone.
   EXPECT_LT(a.model().bones.size(), on_skin.groom.strands.strands() - whole - other + 3);
 }
 
@@ -182,7 +182,7 @@ TEST_F(SkinRootsOfAnArm, FarFromTheSkinGoWithTheJoint) {
   strands.insert(strands.end(), far.begin(), far.end());
   writeStrands(folder_ / "hair.obj", strands);
   const Scene scene = makeScene(options_);
-  EXPECT_TRUE(hasNote(scene, "20 of 40 roots are farther than 20 mm from the skin: they go with 'upper'"));
+  EXPECT_TRUE(hasNote(scene, "20 of 40 roots are farther than 20 mm from the skin: they follow 'upper'"));
   Simulation simulation = simulated(scene);
   const std::vector<Pose> roots = rootsAt(scene, 1, simulation);
   for (size_t s = 0; s < roots.size(); ++s) {
@@ -327,7 +327,7 @@ TEST_F(SkinRootsOfAnArm, OnEveryBackendCarryTheSameHair) {
   EXPECT_LT(apart, 1e-4f) << "m";
 }
 
-/// What was worst in 300 steps of a bending arm with fur.
+/// The worst values in 300 steps of a bending arm with fur.
 struct Worst {
   Measurement measured{};
   float deepest = 0;  ///< m, under the blended skin
@@ -359,7 +359,7 @@ Worst worstOfFur(const Scene& scene) {
   return worst;
 }
 
-// The parts are up to 0.9 mm under the skin of this arm, and 1.1 mm above it in the crease (SkinParts).
+// The parts are up to 0.9 mm below the skin of this arm, and 1.1 mm above it in the crease (SkinParts).
 TEST_F(SkinRootsOfAnArm, HairOnTheWholeArmKeepsItsLengthAndStaysOutOfIt) {
   const Worst on_skin = worstOfFur(furry(300));
   options_.skinned->roots = BodyRoots::kJoint;
@@ -392,7 +392,7 @@ TEST_F(SkinRootsOfAnArm, AFarWalkersStayOnItsSkinFromAnOriginOfItsOwn) {
   const std::vector<OnSkin> under = underRoots(scene);
   const Pose far{Vec3(0, 0, 40), Quat::Identity()};
   double t = 0;
-  for (int step = 1; step <= 200; ++step) {  // faster than one walks: 24 m/s
+  for (int step = 1; step <= 200; ++step) {  // 24 m/s, faster than walking
     t += static_cast<double>(simulation.parameters().time_step);
     const Pose head{std::min(0.005f * static_cast<float>(step), 1.0f) * far.position, far.rotation};
     moveTo(scene.skinned.get(), t, head, simulation);

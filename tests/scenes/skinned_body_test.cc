@@ -1,4 +1,4 @@
-// Skinned bodies in scenes: clips of their own, BVH clips, the head's motion, and hair that lies on them.
+// Skinned bodies in scenes: clips of their own, BVH clips, the head's motion, and hair that rests on them.
 #include "scenes/skinned_body.h"
 
 #include <fmt/format.h>
@@ -9,11 +9,11 @@
 #include <fstream>
 
 #include "collision/mesh_query.h"
-#include "groom/file_bytes.h"
-#include "tests/groom/expect_error.h"
-#include "tests/groom/sample_files.h"
-#include "tests/groom/scratch_folder.h"
-#include "tests/groom/skinned_arm.h"
+#include "io/file_bytes.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/sample_files.h"
+#include "tests/io/scratch_folder.h"
+#include "tests/io/skinned_arm.h"
 #include "tests/scenes/furry_arm.h"
 
 namespace strandcast {
@@ -58,7 +58,7 @@ TEST(SkinnedBody, TheHeadsMotionTurnsItsJointAndWhatHangsOnIt) {
   EXPECT_EQ(weights.back(), 1) << "the top is the hat's";
 }
 
-/// Joints of the same names as an arm's, which hang in other places; the lower one turns about Z.
+/// A clip with joints of the same names as an arm's at other offsets; the lower one rotates about Z.
 std::string bendingBvh(const std::string& upper, const std::string& lower, int side = 1) {
   std::string text =
       "HIERARCHY\nROOT " + upper + "\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT " +
@@ -83,7 +83,7 @@ TEST(SkinnedBody, ABvhClipMovesTheJointsOfItsNames) {
   EXPECT_NE(bvh.notes()[0].find("its unit is guessed: 0.0025 m, the ratio of 1 bone"), std::string::npos)
       << bvh.notes()[0];
   EXPECT_NE(bvh.notes()[1].find("2 of 3 joints"), std::string::npos) << bvh.notes()[1];
-  for (const double t : {0.2, 0.5, 0.75, 0.9, 1.5})  // not at the turn, which a spline rounds
+  for (const double t : {0.2, 0.5, 0.75, 0.9, 1.5})  // not at the reversal, which the spline smooths
     EXPECT_LT(worstBetween(bvh.surface(t, {}), own.surface(t, {})), 1e-3) << t << ": travel is taken out";
   std::ofstream(folder / "other.bvh") << bendingBvh("Hips", "Spine");
   expectError(
@@ -107,7 +107,7 @@ TEST(SkinnedBody, AMirroredSkeletonMovesAsTheMirrorImage) {
   for (const auto& [clip, image_clip] :
        {std::pair<std::string, std::string>{"bend", "bend"}, {left, right}}) {
     const SkinnedBody plain = arm({clip, "lower"}), other = mirrored(image_clip);
-    const Pose head = proceduralMotion("nod", plain.pivot())(0.3);  // about X, as its image
+    const Pose head = proceduralMotion("nod", plain.pivot())(0.3);  // about X, like its mirror image
     for (const double t : {0.0, 0.3, 0.7, 1.2}) {
       std::vector<Vec3> images;
       for (const Vec3& p : plain.surface(t, head)) images.push_back(image(p));
@@ -192,8 +192,8 @@ TEST(SkinnedBody, WhatItDoesNotHaveIsRefused) {
   expectError([] { arm({"/nowhere/walk.bvh", "lower"}); }, {"the file cannot be found", "/nowhere/walk.bvh"});
 }
 
-/// The arm lies along -X (its file has X up) and its forearm bends down or up about Z; hair from behind lies
-/// over it on both sides of the elbow.
+/// The arm lies along -X (its file has X up) and its forearm bends down or up about Z. Hair from behind lies
+/// across it on both sides of the elbow.
 float deepestUnderTheSkin(samples::ArmOptions options, float degrees) {
   const ScratchFolder folder;
   options.degrees = degrees;
@@ -241,7 +241,7 @@ TEST(SkinnedScene, HairOnABendingArmStaysOnItsSkin) {
   EXPECT_LT(deepestUnderTheSkin({}, -60), 1e-3f + 1e-3f) << "up, against the hair";
 }
 
-// Of 128 triangles: between its parts, too, nothing opens.
+// 128 triangles. No gap may open between the parts.
 TEST(SkinnedScene, HairOnACoarseBendingArmStaysOnItsSkin) {
   samples::ArmOptions options;
   options.spacing = 0.1f;
@@ -249,7 +249,7 @@ TEST(SkinnedScene, HairOnACoarseBendingArmStaysOnItsSkin) {
   EXPECT_LT(deepestUnderTheSkin(options, 60), 1e-3f + 1e-3f);
 }
 
-/// Hips that travel and sway, a spine that bends and a head that turns, once a second.
+/// Hips that travel and sway, a bending spine and a turning head, with a period of one second.
 std::string walkingBvh() {
   std::string text =
       "HIERARCHY\nROOT hips\n{\nOFFSET 0 90 0\nCHANNELS 6 Xposition Yposition Zposition Yrotation Xrotation "
@@ -315,7 +315,7 @@ TEST(SkinnedScene, AWalkingFigureOf600StepsLeavesAllHairFinite) {
   EXPECT_LT(worst.max_penetration, 1e-3);
 }
 
-/// An arm along -X that bends down, hair that falls on it, and what hangs on its joints.
+/// An arm along -X that bends down, hair that falls on it, and bodies attached to its joints.
 class HangingBodies : public ::testing::Test {
  protected:
   HangingBodies() {
@@ -339,7 +339,7 @@ class HangingBodies : public ::testing::Test {
   static void moveTo(const Scene& scene, double seconds, Simulation& simulation) {
     strandcast::moveTo(scene.skinned.get(), seconds, scene.motion(seconds), simulation);
   }
-  /// The shape that hangs on it, as the next step of a simulation at `seconds` has it.
+  /// The attached shape in the input of the next step of a simulation at `seconds`.
   static MovingPrimitive onTheWay(const Scene& scene, double seconds) {
     Simulation simulation = simulated(scene);
     moveTo(scene, seconds, simulation);
@@ -367,7 +367,7 @@ TEST_F(HangingBodies, AreOneForEachJointAndGoWithIt) {
   EXPECT_EQ(*scene.skinned->jointOf(parts), "lower");
   EXPECT_EQ(*scene.skinned->jointOf(parts + 1), "upper");
   EXPECT_EQ(scene.skinned->jointOf(0), nullptr);
-  // A vertex that hangs on the joint alone goes where what hangs on it does.
+  // A vertex with all its weight on the joint moves like a body attached to the joint.
   const std::vector<float> lower = scene.skinned->jointWeights();
   Simulation simulation = simulated(scene);
   for (const double t : {0.0, 0.3, 0.9, 1.4, 2.2}) {
@@ -394,7 +394,7 @@ TEST_F(HangingBodies, AreOneForEachJointAndGoWithIt) {
 TEST_F(HangingBodies, MoveWithTheVelocityOfTheirJoint) {
   options_.primitives = {ball("lower", Vec3(-0.4f, 0.1f, 0))};
   const Scene scene = makeScene(options_);
-  const MovingPrimitive moving = onTheWay(scene, 0.8);  // in the middle of the way down
+  const MovingPrimitive moving = onTheWay(scene, 0.8);  // halfway down
   const Vec3 begin(moving.a_begin[0], moving.a_begin[1], moving.a_begin[2]),
       end(moving.a_end[0], moving.a_end[1], moving.a_end[2]),
       spin(moving.angular_velocity[0], moving.angular_velocity[1], moving.angular_velocity[2]);
@@ -487,7 +487,7 @@ TEST(SkinnedBody, OfSeveralMorphingNodesTheJointsToChooseFromAreNamed) {
 }
 
 TEST(SkinnedBody, TheTravelOfAClipOfItsOwnIsToldOfInMetres) {
-  // The neck goes through the skin's first three vertices.
+  // The neck moves through the positions of the skin's first three vertices.
   const auto bytes = samples::armGltf(samples::smallArm());
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const auto insert = [&](const std::string& before, const std::string& more) {

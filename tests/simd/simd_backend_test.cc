@@ -29,7 +29,7 @@ uint64_t hashAfter(int steps, std::unique_ptr<Backend> backend) {
 }
 
 TEST(SimdBackend, AnyNumberOfThreadsGivesTheSameBits) {
-  // As many workers as are asked for, however few cores there are.
+  // Allows the requested number of workers on machines with fewer cores.
   const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism, 4);
   for (const std::string& target : simdTargets()) {
     const uint64_t one = hashAfter(5, makeSimdBackend(1, target));
@@ -40,8 +40,8 @@ TEST(SimdBackend, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
-// What has fused multiply-adds and divides rounds alike, in lanes of any number: the scalar reference too.
-// AVX3 estimates reciprocals.
+// Targets with fused multiply-adds and exact division round alike for any number of lanes, as the scalar
+// reference does. AVX3 estimates reciprocals.
 TEST(SimdBackend, Avx2GivesTheBitsOfTheReference) {
   const std::vector<std::string> targets = simdTargets();
   if (std::find(targets.begin(), targets.end(), "AVX2") == targets.end())
@@ -49,7 +49,7 @@ TEST(SimdBackend, Avx2GivesTheBitsOfTheReference) {
   EXPECT_EQ(hashAfter(3, makeSimdBackend(1, "AVX2")), hashAfter(3, makeReferenceBackend()));
 }
 
-// The strands after some steps, each block of which finds `left` in its scratch memory.
+// The state after three steps; before each block's step its scratch memory is filled with `left`.
 StrandState stateAfter(const simd::SimdTarget& target, float left) {
   const StrandModel model = awkwardModel(65, 85);
   const std::vector<Pose> bones_end = {movedHead()};
@@ -58,7 +58,7 @@ StrandState stateAfter(const simd::SimdTarget& target, float left) {
   const StepInput input{&parameters, {}, bones_end, bodies};
   BlockStore<float> store;
   store.load(model, target.kernel.lanes);
-  store.expect(parameters, true);
+  store.prepare(parameters, true);
   store.upload(disturbedState(model, 86));
   std::vector<float, CacheLineAllocator<float>> scratch(blockScratch(store.maxVertices(), store.lanes()));
   for (int step = 0; step < 3; ++step)
@@ -71,8 +71,8 @@ StrandState stateAfter(const simd::SimdTarget& target, float left) {
   return state;
 }
 
-// A block of even strands has three rows of lengths and masses (sizeRows), one with another strand in it one
-// for each vertex: nobody may see which.
+// A block of even strands stores three rows of mass data (massRows()); a block with an uneven strand stores
+// one per vertex. The result of a strand must not depend on which.
 TEST(SimdBackend, AnEvenStrandComesOutAlikeWhateverIsBesideIt) {
   const auto first = [](const std::string& target, float longer) {
     StrandSet strands;
@@ -95,8 +95,8 @@ TEST(SimdBackend, AnEvenStrandComesOutAlikeWhateverIsBesideIt) {
     EXPECT_EQ(first(target, 0), first(target, 0.003f)) << target;
 }
 
-// Blocks follow each other on whatever memory a thread has: what one leaves there must not come out of the
-// next.
+// The blocks of a thread share its scratch memory: a block's result must not depend on what the last one
+// left.
 TEST(SimdBackend, WhatScratchMemoryHeldComesOutNowhere) {
   for (const simd::SimdTarget& target : simd::runnableTargets()) {
     const uint64_t clean = stateHash(stateAfter(target, 0));

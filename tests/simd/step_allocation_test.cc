@@ -17,7 +17,7 @@ void expectNoAllocation(std::unique_ptr<Backend> backend) {
   const std::string device = backend->name() + " " + backend->device();
   RigidBody head{{{PrimitiveKind::kSphere, Vec3(0, -0.1f, 0), Vec3::UnitY(), 0.09f, 0.3f}}, true};
   Simulation simulation(awkwardModel(257, 91), {head}, Parameters(), std::move(backend));
-  simulation.step();  // worker threads start with the first
+  simulation.step();  // the first step starts worker threads
   const size_t before = allocations();
   for (int i = 0; i < 20; ++i) {
     simulation.setHeadPose({Vec3(0.001f * i, 0, 0), Quat::Identity()});
@@ -119,7 +119,7 @@ TEST(StepAllocation, WindAndForcesBetweenHairsAllocateNothing) {
   RigidBody head{{{PrimitiveKind::kSphere, Vec3(0, -0.1f, 0), Vec3::UnitY(), 0.09f, 0.3f}}, true};
   for (const int threads : {1, 2}) {
     Simulation simulation(awkwardModel(257, 91), {head}, parameters, makeSimdBackend(threads),
-                          cpuAir("simd", threads).surroundings({}));
+                          cpuAir("simd", threads).make({}));
     simulation.step();
     const size_t before = allocations();
     for (int i = 0; i < 20; ++i) {
@@ -131,15 +131,15 @@ TEST(StepAllocation, WindAndForcesBetweenHairsAllocateNothing) {
 }
 
 TEST(StepAllocation, AirThatIsOffAllocatesNothing) {
-  auto allocationsOf = [](std::unique_ptr<Surroundings> surroundings) {
+  auto allocationsOf = [](std::unique_ptr<ExternalForces> air_system) {
     std::unique_ptr<Backend> backend = makeSimdBackend(1);
     const StrandModel model = awkwardModel(257, 91);
     const size_t before = allocations();
-    Simulation simulation(model, {}, Parameters(), std::move(backend), std::move(surroundings));
+    Simulation simulation(model, {}, Parameters(), std::move(backend), std::move(air_system));
     simulation.step();
     return allocations() - before;
   };
-  EXPECT_EQ(allocationsOf(cpuAir("simd", 1).surroundings({})), allocationsOf(nullptr));
+  EXPECT_EQ(allocationsOf(cpuAir("simd", 1).make({})), allocationsOf(nullptr));
 }
 
 TEST(StepAllocation, ReferenceAllocatesNothing) { expectNoAllocation(makeReferenceBackend()); }

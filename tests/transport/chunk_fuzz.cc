@@ -21,7 +21,7 @@ class Bytes {
     --left_;
     return *data_++;
   }
-  /// Mostly small, so that chunks fit each other; 255 introduces any number.
+  /// Mostly small, so that chunks fit each other; 255 introduces an arbitrary number.
   uint32_t number() {
     const uint8_t small = byte();
     return small < 255 ? small : byte() | byte() << 8 | byte() << 16 | static_cast<uint32_t>(byte()) << 24;
@@ -34,7 +34,7 @@ class Bytes {
   }
   template <class T, class Next>
   void fill(std::vector<T>& values, size_t expected, Next next) {
-    // Usually the length that fits; 255 makes it any other.
+    // Usually the expected length; 255 selects another one.
     const uint8_t choice = byte();
     values.resize(std::min<size_t>(choice < 255 ? expected : byte(), 1024));
     for (T& value : values) value = static_cast<T>(next());
@@ -107,7 +107,8 @@ GuideChunk readGuideChunk(Bytes& bytes) {
   chunk.vertex_count = bytes.number();
   chunk.encoding = static_cast<Encoding>(bytes.byte() / 255);
   if (bytes.byte() == 255) chunk.head_rotation[0] = bytes.real();
-  const auto number = [&] { return bytes.byte() > 250 ? bytes.real() : 0.5f; };  // a unit quaternion of four
+  // Four of these are a unit quaternion
+  const auto number = [&] { return bytes.byte() > 250 ? bytes.real() : 0.5f; };
   const size_t placed = bytes.byte() / 64;
   bytes.fill(chunk.colliders, placed, [&] { return bytes.number(); });
   bytes.fill(chunk.collider_poses, 7 * placed, number);
@@ -118,7 +119,7 @@ GuideChunk readGuideChunk(Bytes& bytes) {
   return chunk;
 }
 
-/// Whole and of one chunk, so that its shapes are looked at: what they consist of follows from the bytes.
+/// A single complete chunk, so that its shapes are checked; their words come from the input.
 ColliderChunk readColliderChunk(Bytes& bytes) {
   ColliderChunk chunk;
   readHeader(bytes, chunk);
@@ -177,7 +178,7 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
   BodyAssembler bodies(1);
   ColliderAssembler colliders(1);
   GuideAssembler frames, concealing(true);
-  ColliderSet parts = limbs({limb(0), limb(1)});  // that the ids of frames may be of
+  ColliderSet parts = limbs({limb(0), limb(1)});  // frames may have poses of these
   parts.session = 1;
   concealing.setColliders(std::make_shared<ColliderSet>(std::move(parts)));
   size_t completed = 0, vertices = 0;

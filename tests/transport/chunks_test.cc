@@ -50,7 +50,7 @@ void expectSame(const BodyDescription& a, const BodyDescription& b) {
   EXPECT_EQ(a.head_weights, b.head_weights);
 }
 
-/// Feeds the chunks in a seeded random order, each twice before the last is in; the message must complete
+/// Feeds the chunks in a seeded random order, each twice before the last one; the message must complete
 /// exactly once.
 template <class Assembler, class Chunk>
 auto assembleShuffled(Assembler& assembler, std::vector<Chunk> chunks) {
@@ -188,8 +188,7 @@ TEST(Chunks, CommandsThatDoNotFitTheWireAreRefused) {
   EXPECT_THROW(checkCommand(command, 1), Error) << "of no known kind";
 }
 
-// ---- damage: every damaged chunk is refused, counted, and does no harm to the message it claims to belong
-// to
+// ---- damage: every damaged chunk is refused and counted, and does not affect its message
 
 template <class Chunk>
 struct Damage {
@@ -197,7 +196,7 @@ struct Damage {
   std::function<void(Chunk&)> apply;
 };
 
-/// The damaged copy of chunk 1 comes first, or behind chunk 0; then all the sound ones complete the message.
+/// The damaged copy of chunk 1 comes first, or after chunk 0; then the valid chunks complete the message.
 template <class MakeAssembler, class Chunk>
 void expectRefusal(MakeAssembler make, const std::vector<Chunk>& chunks,
                    const std::vector<Damage<Chunk>>& damages) {
@@ -321,7 +320,7 @@ TEST(Chunks, FramesWhoseChunksOverlapAreRefused) {
   assembler.setGroom(groom);
   std::vector<GuideChunk> chunks = splitFrame(*groom, sampleFrame(*groom, 1));
   GuideChunk overlapping = chunks[0];
-  overlapping.chunk_index = 1;  // sound alone, but its strands came already
+  overlapping.chunk_index = 1;  // valid alone, but its strands came already
   overlapping.colliders.clear();
   overlapping.collider_poses.clear();
   overlapping.bent_colliders.clear();
@@ -378,14 +377,14 @@ TEST(Chunks, LostFramesAreCountedExactly) {
   EXPECT_EQ(assembler.statistics().frames_lost, 0u);
   EXPECT_FALSE(add(11, 1));  // incomplete, with nothing newer: not lost yet
   EXPECT_EQ(assembler.statistics().frames_lost, 0u);
-  EXPECT_TRUE(add(12, kAll));  // now it is
+  EXPECT_TRUE(add(12, kAll));  // now it is lost
   EXPECT_EQ(assembler.statistics().frames_lost, 1u);
   EXPECT_TRUE(add(16, kAll));  // 13, 14, 15
   EXPECT_EQ(assembler.statistics().frames_lost, 4u);
   EXPECT_FALSE(add(14, kAll));  // late: counted already
   EXPECT_EQ(assembler.statistics().frames_lost, 4u);
   EXPECT_EQ(assembler.statistics().frames_received, 3u);
-  assembler.setGroom(groom);  // a receiver joins anew with every groom
+  assembler.setGroom(groom);  // as after every new groom
   EXPECT_TRUE(add(30, kAll));
   EXPECT_EQ(assembler.statistics().frames_lost, 4u);
   EXPECT_EQ(assembler.statistics().frames_received, 4u);
@@ -416,13 +415,13 @@ TEST(Chunks, DamagedFrameNumbersDoNotStarveSoundFrames) {
   EXPECT_TRUE(is_complete);
 }
 
-/// Frames of one chunk, or of several.
+/// Numbered frames of one chunk, or of several.
 struct NumberedFrames {
   explicit NumberedFrames(size_t strands, bool conceals = false)
       : groom(std::make_shared<GroomDescription>(uniformGroom(strands, 10))), assembler(conceals) {
     assembler.setGroom(groom);
   }
-  /// The number of the frame that its chunks completed, 0 = none.
+  /// The number of the frame that its chunks completed; 0 = none.
   uint64_t add(uint64_t number) {
     uint64_t complete = 0;
     for (GuideChunk& chunk : splitFrame(*groom, sampleFrame(*groom, 1 + number % 1000))) {

@@ -19,7 +19,7 @@
 
 namespace strandcast {
 
-// The text of the coders with one float per lane.
+// The lane code of the coders, compiled with one float per lane.
 namespace octahedral_scalar {
 #define STRANDCAST_SCALAR float
 // clang-format off
@@ -39,7 +39,7 @@ double worstError(const GuideFrame& a, const GuideFrame& b) {
   return worst;
 }
 
-/// One end to the other, without a network.
+/// Encoder and decoder without a network.
 class Road {
  public:
   Road(GroomDescription groom, CodecOptions options)
@@ -74,7 +74,7 @@ GroomDescription head() {
   return hairGroom(1000, [](size_t) { return 32; });
 }
 
-/// Sends half a second; mean bytes per vertex.
+/// Sends half a second; returns mean bytes per vertex.
 double measure(Road& road, double max_error) {
   uint64_t bytes = 0;
   for (uint64_t number = 1; number <= 30; ++number) {
@@ -135,7 +135,7 @@ TEST(Codec, StrandsThatWouldBreakTheBoundAreSentFiner) {
       whole.send(frame);
       const uint64_t finer_anyway = whole.encoder().report().strands_sent_finer;
       EXPECT_LE(finer_anyway, 2u);
-      // A stretched strand (no octahedral direction reaches its tip), one far away, one torn apart.
+      // A stretched strand (whose tip no octahedral encoding reaches), one far away, one torn apart.
       const auto& offsets = road.groom().guides.offsets;
       for (uint32_t v = offsets[3] + 1; v < offsets[4]; ++v)
         frame.positions[v] += 0.1f * (frame.positions[v] - frame.positions[offsets[3]]);
@@ -160,7 +160,7 @@ TEST(Codec, HairThatDoesNotFitTheCodecFallsBackAndIsAnnounced) {
   ASSERT_TRUE(received);
   EXPECT_LE(worstError(frame, *received), 1e-5);
   for (const Encoding encoding : stretched.encodings()) EXPECT_EQ(encoding, Encoding::kDelta16);
-  // Noise over kilometres: nothing is smaller than floats, and they are exact.
+  // Noise over kilometres: nothing is smaller than float32, which is exact.
   Road noise(head(), {Codec::kTemporal});
   std::mt19937 random(1);
   std::uniform_real_distribution<float> any(-1000, 1000);
@@ -226,7 +226,8 @@ TEST(Codec, BlocksOfBitsAreReadBackAndEndWhereTheyEnd) {
       for (const StrandCoder& coder : coders) {
         std::vector<uint8_t> room(mostPackedBytes(count));
         room.resize(static_cast<size_t>(coder.pack(numbers, room.data()) - room.data()));
-        const std::vector<uint8_t> bytes(room.begin(), room.end());  // with nothing behind them
+        // An exact allocation, so that sanitizers detect reads beyond its end
+        const std::vector<uint8_t> bytes(room.begin(), room.end());
         if (first.empty()) first = bytes;
         ASSERT_EQ(bytes, first) << coder.name << ", " << count << " numbers of " << width << " bits";
         std::vector<uint16_t> back(count);
@@ -243,7 +244,7 @@ TEST(Codec, BlocksOfBitsAreReadBackAndEndWhereTheyEnd) {
   }
 }
 
-// As docs/wire.md has it.
+// The example follows docs/wire.md, "Blocks of bits".
 TEST(Codec, BlocksOfBitsAreAsTheyAreDescribed) {
   const std::vector<uint16_t> numbers = {1, 0xffff, 0, 2, 0, 0, 0, 0, 100};
   const uint8_t expected[] = {0x83,              // 3 bits, then 8
@@ -308,7 +309,7 @@ TEST(Codec, ChunksInAnyOrderDecodeAlone) {
     const std::vector<GuideChunk> chunks = splitFrame(groom, frame, {codec});
     ASSERT_GE(chunks.size(), 3u);
     for (const GuideChunk& chunk : chunks) {
-      GuideDecoder decoder;  // has seen nothing else
+      GuideDecoder decoder;  // without any earlier frame
       decoder.setGroom(groom.guides);
       std::vector<Vec3> positions(chunk.vertex_count);
       EXPECT_EQ(chunk.key_frame, 0u);
@@ -328,8 +329,8 @@ TEST(Codec, OctahedralDirectionsAreUniformlyFine) {
   std::mt19937 random(5);
   std::normal_distribution<float> normal;
   for (const int bits : {12, 16}) {
-    // In the middle of a face the points are a hexagonal lattice, 2 sqrt(2) / (2^bits - 1) apart, seen from
-    // 1 / sqrt(3) away; nothing is further from a point of such a lattice than 1 / sqrt(3) of that.
+    // In the middle of a face the points are a hexagonal lattice with spacing 2 sqrt(2) / (2^bits - 1), at a
+    // distance of 1 / sqrt(3). No direction is farther from a lattice point than 1 / sqrt(3) of the spacing.
     const float limit = 1.02f * 2 * 1.41421356f / static_cast<float>((1 << bits) - 1);
     float worst = 0;
     for (int i = 0; i < 100000; ++i) {
@@ -345,7 +346,7 @@ TEST(Codec, OctahedralDirectionsAreUniformlyFine) {
     EXPECT_LT((back(axis, 12) - axis).norm(), 7e-4f);
 }
 
-// Bytes and positions are a contract between machines of any kind.
+// Bytes and positions must be equal on machines of any kind.
 TEST(Codec, EveryInstructionSetWritesTheSameBytesAndReadsTheSamePositions) {
   struct Golden {
     Codec codec;

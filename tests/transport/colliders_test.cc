@@ -85,7 +85,7 @@ TEST(Colliders, BadOnesAreRefused) {
   set = sampleColliders();
   set.colliders[0].shapes.assign(kMaxColliderShapes, set.colliders[0].shapes[0]);
   EXPECT_NE(errorOf([&] { checkColliders(set, "here"); }), "");
-  // What a receiver looks at.
+  // Checks of the receiver.
   const std::vector<ColliderChunk> sound = splitColliders(sampleColliders());
   const auto isTaken = [&](const auto& damage) {
     std::vector<ColliderChunk> chunks = sound;
@@ -105,7 +105,7 @@ TEST(Colliders, BadOnesAreRefused) {
   EXPECT_FALSE(isTaken([](auto& c) { c[0].follows_head[4] = 1; }));
   EXPECT_FALSE(isTaken([](auto& c) { c[0].total_words = c[1].total_words = 0xFFFFFFFF; }));
   EXPECT_FALSE(isTaken([](auto& c) { c[1].words.pop_back(); }));
-  // Of the field: bricks, then index.
+  // Words of the field: bricks, then index.
   const size_t field = sound[1].words.size() - (9 + 2 + kBrickWords + 12);
   EXPECT_FALSE(isTaken([&](auto& c) { c[1].words[field + 4] = 0xFFFFFFFF; }));
   EXPECT_FALSE(isTaken([&](auto& c) { c[1].words[field + 9] = 1; })) << "a brick that is not stored";
@@ -172,7 +172,7 @@ TEST(Colliders, MoveBetweenFramesAsHairDoes) {
     publisher->publish(sampleFrame(groom, number));
     player.next();
   }
-  // However long this machine takes in between.
+  // Relative to the arrival, so that delays of this machine do not matter.
   const std::chrono::steady_clock::time_point start(
       std::chrono::nanoseconds(subscriber->waitForFrame(0, std::chrono::milliseconds(0))->arrival_time));
   bool between = false;

@@ -1,4 +1,4 @@
-// Strands of lost chunks go with what carries them: the head, or a part of a skinned body.
+// Strands of lost chunks move with their carrier: the head, or a part of a skinned body.
 #include "transport/concealment.h"
 
 #include <gtest/gtest.h>
@@ -14,14 +14,14 @@
 namespace strandcast {
 namespace {
 
-/// Frames of several chunks of hair on a limb, or on a head that moves as it, and a reader of them.
+/// Frames of several chunks, of hair on a limb or on a head with the same motion, and a reader of them.
 class LimbReader {
  public:
   explicit LimbReader(bool is_head = false) : is_head_(is_head) {
     assembler.setGroom(groom);
     chunks = splitFrame(*groom, limbFrame(*groom, 1)).size();
   }
-  /// Casts frame `number` less the chunks that are lost. The frames that are complete or given up then.
+  /// Sends frame `number` without the lost chunks. Returns the frames that were completed or concealed.
   std::vector<std::shared_ptr<const GuideFrame>> cast(uint64_t number,
                                                       const std::function<bool(uint32_t)>& lost) {
     std::vector<std::shared_ptr<const GuideFrame>> shown;
@@ -32,7 +32,7 @@ class LimbReader {
     }
     return shown;
   }
-  /// m, of the frame's vertices and of the limb in it, at most.
+  /// Largest error of the frame's vertices and of its limb, m.
   float off(const GuideFrame& frame) const {
     const GuideFrame sent = limbFrame(*groom, frame.frame, is_head_);
     float most = limbOff(frame, sent);
@@ -130,7 +130,7 @@ TEST(Concealment, CollidersOfAnotherSessionWaitForTheirGroom) {
   EXPECT_LT(most, 1e-5f);
 }
 
-/// Numbers that pass the checks of chunks and yet are out of all bounds.
+/// Numbers that pass the checks of chunks, but are far out of range.
 void damage(std::minstd_rand& random, GuideFrame& frame) {
   const auto any = [&](size_t count) { return random() % count; };
   const float far = std::array{3e38f, -3e38f, 1e25f}[any(3)];
@@ -184,7 +184,7 @@ TEST(Concealment, DamagedFramesNeverBreakIt) {
 }
 
 TEST(Concealment, ACollidersTurnAndWayGoOn) {
-  // A screw, by steps that are not even.
+  // A screw motion in uneven steps.
   const Eigen::Vector3f axis = Eigen::Vector3f(1, 2, 3).normalized();
   const auto at = [&](double time) {
     const auto t = static_cast<float>(time);
@@ -194,16 +194,16 @@ TEST(Concealment, ACollidersTurnAndWayGoOn) {
   };
   ColliderMotion motion;
   std::vector<PlacedCollider> out;
-  motion.carryOn(0.1, out);
+  motion.extrapolate(0.1, out);
   EXPECT_TRUE(out.empty());
   motion.learn(std::vector<PlacedCollider>{{1, at(0), {}}, {2, at(1), {}}}, 0);
-  motion.carryOn(0.01, out);
+  motion.extrapolate(0.01, out);
   ASSERT_EQ(out.size(), 2u);
   EXPECT_EQ(out[0].pose.position, at(0).position) << "it cannot be said whither";
   motion.learn(std::vector<PlacedCollider>{{2, at(1), sampleBend(3)}, {1, at(0.02), {}}, {3, at(2), {}}},
                0.02);
   const auto expectAt = [&](double now, double place) {
-    motion.carryOn(now, out);
+    motion.extrapolate(now, out);
     ASSERT_EQ(out.size(), 3u);
     EXPECT_EQ(out[0].pose.position, at(1).position) << "stands";
     EXPECT_EQ(out[0].pose.rotation.coeffs(), at(1).rotation.coeffs());

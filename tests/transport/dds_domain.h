@@ -13,31 +13,30 @@
 
 namespace strandcast {
 
-/// Guides (of 16 vertices) that transport_peer publishes at 60 Hz. With a sanitizer, which slows every access
-/// to a vertex down, the full groom is more than a machine of two cores can send beside other tests, whatever
-/// the transport does.
+/// Guides (of 16 vertices) that transport_peer publishes at 60 Hz. Sanitizers slow every access to a vertex:
+/// with one, two cores cannot send the full groom beside other tests, whatever the transport does.
 inline constexpr int kPeerGuides = kSanitized ? 1000 : 4933;
 
-/// The domains of tests: beyond LCM's ports, which begin at 7667, and below the ports that Linux gives to
-/// sockets that ask for any (32768 and up).
+/// Domains of the tests: their ports are above LCM's, which begin at 7667, and below Linux's ephemeral ports
+/// (32768 and up).
 inline constexpr int kFirstTestDomain = 3, kLastTestDomain = 100;
 
-/// Port 7400 + 250 * domain and the 249 that follow are the domain's.
+/// A domain has the ports 7400 + 250 * domain to 7400 + 250 * domain + 249.
 inline int firstPort(int domain) { return 7400 + 250 * domain; }
 
-/// A domain for test number `test` of this program, which no other test program of this machine has while
-/// this one runs: whoever binds the name first.
+/// A domain for test number `test` of this program. While this program runs, no other test program of this
+/// machine gets it: binding an abstract socket name reserves it.
 inline int testDomain(int test) {
   static std::map<int, int> own;
   if (const auto found = own.find(test); found != own.end()) return found->second;
   constexpr int kDomains = kLastTestDomain - kFirstTestDomain + 1;
   const int name = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   for (int tries = 0; tries < kDomains; ++tries) {
-    // Not from the first each time: who was killed is forgotten by its domain only after seconds.
+    // Starting at different numbers: a domain forgets a killed participant only after seconds.
     const int domain = kFirstTestDomain + (getpid() * 16 + test + tries) % kDomains;
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
-    // A name that begins with 0 is no file: it goes with the process.
+    // A name that begins with 0 is abstract: no file, and released with the process.
     const std::string text = "strandcast test domain " + std::to_string(domain);
     std::memcpy(address.sun_path + 1, text.data(), text.size());
     const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + text.size());

@@ -40,8 +40,8 @@ TEST_F(DdsProcesses, AFullGroomAt60HzLosesNothing) {
   const Results published = publisher.finish();
   const Results read = reader.finish(), slow = slow_reader.finish();
   ASSERT_TRUE(published.contains("published")) << publisher.text();
-  // The readers wait, so they are matched before the first frame, or within some frames; of a slow machine a
-  // second's.
+  // The readers wait, so they are matched before the first frame or within some frames; on a slow machine
+  // within 60.
   for (const auto& [one, peer] : {std::pair{&read, &reader}, {&slow, &slow_reader}}) {
     ASSERT_TRUE(one->contains("first_frame")) << peer->text();
     EXPECT_LE(one->at("first_frame"), 60) << peer->text();

@@ -1,4 +1,4 @@
-// The profiles of DDS and the ways to find each other, daemon and reader in one process or two.
+// Profiles and discovery of DDS, with daemon and reader in one process or two.
 #include <gtest/gtest.h>
 
 #include <arpa/inet.h>
@@ -33,7 +33,7 @@ DdsOptions optionsOf(int domain, uint64_t session, DdsProfile profile = DdsProfi
   return options;
 }
 
-/// Frames that a reader got of `frames` cast at 60 Hz.
+/// Number of frames that a reader received of `frames` published at 60 Hz.
 uint64_t framesThrough(const DdsOptions& daemon, DdsOptions reader, uint64_t frames = 20) {
   const auto publisher = makeDdsPublisher(daemon);
   GroomDescription groom = uniformGroom(3000, 16);
@@ -86,7 +86,7 @@ TEST(DdsProfiles, ReadersKilledOnSharedMemoryComeBack) {
               all.c_str());
 }
 
-/// A transport_peer that runs as another user than this program, who has to be root.
+/// Arguments for a transport_peer that runs as another user; requires root.
 std::vector<std::string> asNobody(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(),
                    {"--reuid=65534", "--regid=65534", "--clear-groups", STRANDCAST_TRANSPORT_PEER});
@@ -143,7 +143,7 @@ TEST(DdsProfiles, ADiscoveryServerBringsThemTogether) {
   namespace dds = eprosima::fastdds::dds;
   namespace rtps = eprosima::fastrtps::rtps;
   const int domain = testDomain(2);
-  const auto port = static_cast<uint16_t>(firstPort(domain) + 245);  // participants have those up to 239
+  const auto port = static_cast<uint16_t>(firstPort(domain) + 245);  // participants use ports up to 239
   dds::DomainParticipantQos qos;
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
@@ -159,7 +159,7 @@ TEST(DdsProfiles, ADiscoveryServerBringsThemTogether) {
   DdsOptions daemon = optionsOf(domain, 9), reader = optionsOf(domain, 0);
   daemon.discovery_server = reader.discovery_server = "127.0.0.1:" + std::to_string(port);
   EXPECT_EQ(framesThrough(daemon, reader), 20u);
-  // Clients of the server are not found by multicast: it is the server that does it.
+  // Clients of the server are not discovered by multicast, but only through the server.
   const auto publisher = makeDdsPublisher(daemon);
   publisher->announce(uniformGroom(5, 4), sampleBody(3));
   EXPECT_FALSE(makeDdsSubscriber(optionsOf(domain, 0))->waitForGroom(milliseconds(1000)));

@@ -63,7 +63,7 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   publisher->announceColliders(sampleColliders());
   ASSERT_TRUE(becomesTrue([&] { return subscriber->colliders() != nullptr; }));
   EXPECT_TRUE(areAlike(*subscriber->colliders(), sampleColliders()));
-  // Fewer chunks than before: a late reader gets these alone.
+  // Fewer chunks than before: a late joiner must get only these.
   ColliderSet fewer = sampleColliders();
   fewer.colliders.pop_back();
   fewer.revision = 2;
@@ -179,7 +179,7 @@ TEST_F(Dds, TheAnswerOfADaemonThatEndsAtOnceIsHeard) {
       publisher->publishStatus(status);
       publisher.reset();
     });
-    // The daemon before it may be the first to get the command: that of an ended one is noticed late.
+    // The previous daemon may get the command first: the end of a daemon is detected late.
     const auto deadline = std::chrono::steady_clock::now() + milliseconds(5000);
     EXPECT_EQ(ask(*subscriber, command, [&] { return std::chrono::steady_clock::now() > deadline; }), "")
         << id;
@@ -247,7 +247,7 @@ TEST_F(Dds, ARivalIsHeardAndForgotten) {
   EXPECT_TRUE(becomesTrue([&] { return !first->rival(); }));
 }
 
-/// Shares groom 1 with others.
+/// Makes a publisher that shares groom 1.
 std::unique_ptr<Publisher> claimant(int domain, const GroomDescription& groom, uint64_t session,
                                     uint32_t strength) {
   auto publisher = makeDdsPublisher({domain, 1, session, {Codec::kFloat32}, strength});
@@ -295,7 +295,7 @@ TEST_F(Dds, AClaimantYieldsToOneOfItsStrengthThatCasts) {
   const auto becomesFirsts = [&](const Publisher& publisher) {
     return becomesTrue([&] {
       first->publish(sampleFrame(groom, ++number));
-      return publisher.sharedTurn() == SharedTurn::kAnothers;
+      return publisher.castingState() == CastingState::kOther;
     });
   };
   const auto equal = claimant(domain, groom, 22, 5), weaker = claimant(domain, groom, 33, 4),
@@ -307,7 +307,7 @@ TEST_F(Dds, AClaimantYieldsToOneOfItsStrengthThatCasts) {
   EXPECT_FALSE(stronger->yields());
   EXPECT_FALSE(first->yields()) << "to itself";
   first.reset();
-  EXPECT_TRUE(becomesTrue([&] { return equal->sharedTurn() == SharedTurn::kNobodys; }));
+  EXPECT_TRUE(becomesTrue([&] { return equal->castingState() == CastingState::kUnclaimed; }));
   EXPECT_FALSE(equal->yields());
 }
 

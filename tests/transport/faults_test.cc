@@ -1,5 +1,5 @@
-// What goes wrong on a network, as real processes. Short here; STRANDCAST_FAULT_ROUNDS (readers killed) makes
-// it long.
+// Faults of a network, with real processes. Short by default; STRANDCAST_FAULT_ROUNDS (readers killed)
+// lengthens it.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -45,7 +45,7 @@ TEST_F(Faults, KilledReadersComeBackAndTheDaemonKeepsItsRate) {
   Peer publisher({"cast", domain(1), "600"});
   double slowest_ms = 0;
   const int rounds = numberFrom("STRANDCAST_FAULT_ROUNDS", 4);
-  for (int round = 0; round < rounds; ++round) {  // each is late; each but the first follows a killed one
+  for (int round = 0; round < rounds; ++round) {  // each joins late; all but the first follow a killed one
     Peer reader({"read", domain(1), "60", "0"});
     ASSERT_TRUE(reader.waitFor("first_frame")) << round << reader.text();
     const double ms = reader.results().at("first_frame_after_ms");
@@ -71,7 +71,7 @@ TEST_F(Faults, AReaderThatComesLateIsCompleteAtOnce) {
   ASSERT_TRUE(makeDdsSubscriber({testDomain(2), 1, 0, {}})->waitForFrame(0, milliseconds(8000)));
   double fastest_ms = 1e9;
   std::string all;
-  for (int trial = 0; trial < 3; ++trial) {  // one of three may find the machine busy
+  for (int trial = 0; trial < 3; ++trial) {  // the machine may be busy in one of three
     const auto start = Clock::now();
     const auto reader = makeDdsSubscriber({testDomain(2), 1, 0, {}});
     ASSERT_TRUE(reader->waitForGroom(milliseconds(8000)));
@@ -108,7 +108,7 @@ TEST_F(Faults, AStandbyTakesOverWithinHalfASecond) {
   const auto reader = makeDdsSubscriber({testDomain(4), 1, 0, {}});
   ASSERT_TRUE(reader->waitForFrame(0, milliseconds(8000)));
   Peer standby({"claim", domain(4), "10"});
-  std::this_thread::sleep_for(milliseconds(2500));  // until they know each other
+  std::this_thread::sleep_for(milliseconds(2500));  // until they have discovered each other
   uint64_t newest = reader->frame()->frame;
   const uint64_t session = reader->frame()->session;
   for (int i = 0; i < 30; ++i) {
@@ -135,7 +135,7 @@ TEST_F(Faults, LostDatagramsAreRepairedByDds) {
   for (const char* rate : {"0.01", "0.05"}) {
     const PeerSetting loss("STRANDCAST_PEER_LOSS", rate);
     const int test = rate[3] == '1' ? 5 : 6;
-    Peer publisher({"cast", domain(test), "60"});  // on a lossy network readers may take seconds to find it
+    Peer publisher({"cast", domain(test), "60"});  // on a lossy network, discovery may take a reader seconds
     Peer reader({"read", domain(test), "3", "0"});
     const Results read = reader.finish();
     ASSERT_TRUE(read.contains("lost")) << reader.text();
@@ -147,7 +147,7 @@ TEST_F(Faults, LostDatagramsAreRepairedByDds) {
   }
 }
 
-/// Of a reader of 3 s whose network lost this part of the datagrams and repaired none.
+/// Checks a reader of 3 s whose network lost this share of the datagrams without repair.
 void expectConcealed(const char* network, double loss, const Results& read, const std::string& text) {
   ASSERT_TRUE(read.contains("lost")) << text;
   EXPECT_EQ(read.at("wrong"), 0) << text;

@@ -19,7 +19,7 @@ class ScriptedSubscriber final : public Subscriber {
     groom_ = groom;
     queue_.setGroom(std::make_shared<GroomDescription>(groom));
   }
-  /// Frame `number` at `seconds` by the steady clock.
+  /// Frame `number` arrives at `seconds` of the steady clock.
   void arrive(uint64_t number, double seconds) {
     auto frame = std::make_shared<GuideFrame>(hairFrame(groom_, number));
     frame->arrival_time = static_cast<uint64_t>(seconds * 1e9);
@@ -99,10 +99,10 @@ TEST(FramePlayer, SmoothMovesEvenlyThroughJitter) {
     }
     const auto frame = player.next(std::nullopt, at(now));
     if (!frame) continue;
-    if (picture >= 250) {  // the clock offset has been learnt
+    if (picture >= 250) {  // the clock offset has converged
       largest_step = std::max(largest_step, frame->simulation_time - shown);
       least_step = std::min(least_step, frame->simulation_time - shown);
-      // Where the hair really was then.
+      // The exact position of the hair at that time.
       GuideFrame truth = hairFrame(stream.sent(), frame->frame);
       const double number = frame->simulation_time * 60;
       EXPECT_LE(number, static_cast<double>(frame->frame) + 1e-6);

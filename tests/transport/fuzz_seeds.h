@@ -5,8 +5,8 @@
 
 namespace strandcast {
 
-/// Sound inputs of one fuzzer: where it, and the tests that damage them at random, begin. `of` names what
-/// they are: "delta16", "groom".
+/// Valid inputs of one fuzzer, from which the fuzzer and the tests with random damage start. `of` names their
+/// type: "delta16", "groom".
 struct FuzzSeeds {
   std::string of;
   std::vector<std::vector<uint8_t>> inputs;

@@ -11,12 +11,12 @@
 
 namespace strandcast {
 
-/// What one run of a fuzzer is about. `--only=NAME` leaves it the seeds of that name, whose first bytes,
-/// which say what an input is, are then put in front of every input. `--seeds=FOLDER` writes the seeds there,
-/// for libFuzzer to begin with.
+/// Options of a fuzzer. `--only=NAME` restricts it to the seeds of that name; their first bytes, which select
+/// the type of input, are then prepended to every input. `--seeds=FOLDER` writes the seeds there, as
+/// libFuzzer's initial corpus.
 class FuzzedPart {
  public:
-  /// `prefix_length` of the first bytes. Ends the program on a name that there is not.
+  /// `prefix_length`: number of first bytes. Ends the program on an unknown name.
   FuzzedPart(int count, char** arguments, const std::vector<FuzzSeeds>& all, size_t prefix_length) {
     const std::string only = option(count, arguments, "--only=");
     const std::string folder = option(count, arguments, "--seeds=");
@@ -31,13 +31,13 @@ class FuzzedPart {
       std::exit(2);
     }
     if (!only.empty()) {
-      // The last one's: of a codec that builds on frames that is one which does.
+      // Of the last seed, because a codec that builds on other frames does so in the last one.
       const std::vector<uint8_t>& last = chosen.front().inputs.back();
       prefix_.assign(last.begin(), last.begin() + static_cast<ptrdiff_t>(prefix_length));
     }
     if (!folder.empty()) write(folder, chosen);
   }
-  /// What libFuzzer made, with the prefix. Valid until the next call.
+  /// libFuzzer's input after the prefix. Valid until the next call.
   std::span<const uint8_t> input(const uint8_t* data, size_t size) {
     if (prefix_.empty()) return {data, size};
     whole_ = prefix_;

@@ -8,8 +8,8 @@
 
 namespace strandcast {
 
-/// Strands of 1 to 41 vertices, a number of them that no number of lanes divides, whose bits are the same on
-/// every machine: without functions of the C library but the square root. At frame 0 they are at rest.
+/// Strands of 1 to 41 vertices; their number is a multiple of no lane count. Their bits are equal on every
+/// machine: the only library function is the square root. At frame 0 they are at rest.
 inline std::vector<Vec3> goldenStrand(uint32_t number, uint64_t frame) {
   std::minstd_rand random(number + 1);
   const auto unit = [&] { return static_cast<float>(random() % 65536) / 32768 - 1; };
@@ -38,7 +38,7 @@ inline GroomDescription goldenGroom() {
   return groom;
 }
 
-/// One strand is far away, so that it is sent as it is.
+/// One strand is far away, so that it is sent as float32.
 inline GuideFrame goldenFrame(uint64_t number) {
   GuideFrame frame;
   frame.groom_id = 1;

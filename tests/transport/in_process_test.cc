@@ -136,7 +136,7 @@ TEST(InProcess, CommandsAndStatusArrive) {
     command.name = "wind";
     command.values = {1, 2, static_cast<double>(id)};
     subscriber->send(command);
-    subscriber->send(command);  // as one does who has heard no answer
+    subscriber->send(command);  // as a sender without an answer does
   }
   for (uint64_t id = 1; id <= 3; ++id) EXPECT_EQ(publisher->takeCommand()->id, id);
   EXPECT_FALSE(publisher->takeCommand());

@@ -1,4 +1,4 @@
-// What is wrong with a folder of keys is said before a network is joined.
+// Faults of a key folder are reported before a network is joined.
 #include "transport/security/key_folder.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "tests/error_of.h"
 #include "tests/full_disk.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 #include "transport/security/test_authority.h"
 
 namespace strandcast {
@@ -30,7 +30,7 @@ void write(const fs::path& file, const std::string& bytes) { std::ofstream(file,
 class KeyFolder : public testing::Test {
  protected:
   void SetUp() override { identities_ = makeTestKeys(scratch_ / "keys", 30); }
-  /// Expects that it is refused for this reason, with the file's name and something to do.
+  /// Expects a refusal for this reason, which names the file and a remedy.
   void expectRefused(const std::string& reason, const char* file) {
     const std::string message = errorOf([&] { checkKeyFolder(daemon_); });
     EXPECT_NE(message.find(reason), std::string::npos) << message;
@@ -114,7 +114,7 @@ TEST_F(KeyFolder, WhatIsOutOfForceIsSaid) {
   makeTestKeys(scratch_ / "old", 0);
   EXPECT_NE(errorOf([&] { checkKeyFolder(scratch_ / "old" / "daemon"); }).find("has expired"),
             std::string::npos);
-  // The permissions alone, signed by the same CA.
+  // Only the permissions have expired; the same CA has signed them.
   const fs::path ca = scratch_ / "keys" / "ca", ended = scratch_ / "ended.xml";
   write(ended, permissionsXml(KeyRole::kDaemon, "CN=strandcast daemon", 1000000000, 1100000000));
   const std::string sign = "openssl smime -sign -text -in " + ended.string() + " -out " +

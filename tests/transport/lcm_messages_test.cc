@@ -20,7 +20,7 @@
 namespace strandcast {
 namespace {
 
-/// Ours, read and written again by lcm-gen's code; and that read by ours.
+/// Encodes with toBytes(), decodes and encodes with lcm-gen's code, and decodes that with fromBytes().
 template <class Generated, class Message>
 Generated throughGenerated(const Message& message, Message& back) {
   std::vector<uint8_t> bytes;
@@ -123,7 +123,7 @@ TEST(LcmMessages, DamagedOnesAreRefusedOrHarmless) {
       std::vector<uint8_t> bytes = message;
       if (run % 4 == 0) bytes.resize(random() % bytes.size());
       for (uint32_t i = 0; !bytes.empty() && i < 1 + random() % 3; ++i) {
-        // The fingerprint mostly stays, so that the fields are reached.
+        // The fingerprint mostly stays intact, so that damage reaches the fields.
         const size_t first = run % 16 == 0 ? 0 : std::min<size_t>(8, bytes.size() - 1);
         bytes[first + random() % (bytes.size() - first)] = static_cast<uint8_t>(random());
       }

@@ -30,7 +30,7 @@ namespace strandcast {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr milliseconds kPatience{30000};  // on a loaded machine; nothing waits this long where all is well
+constexpr milliseconds kPatience{30000};  // for a loaded machine; a passing test never waits this long
 
 bool becomesTrue(const std::function<bool()>& condition) { return trueWithin(kPatience, condition); }
 
@@ -40,7 +40,7 @@ GroomDescription hair(size_t strands = 1500) {
   return hairGroom(strands, [](size_t) { return 16; });
 }
 
-/// Publishes and sees frame `number` come through.
+/// Publishes frame `number` and expects the subscriber to receive it.
 ::testing::AssertionResult goesThrough(Publisher& publisher, Subscriber& subscriber,
                                        const GroomDescription& groom, uint64_t number) {
   const GuideFrame sent = hairFrame(groom, number);
@@ -132,8 +132,8 @@ TEST(Lcm, AFrameOfAsManyBentCollidersAsItHoldsArrives) {
     EXPECT_TRUE(areAlike(frame->colliders[id].bend, sampleBend(id + 1))) << id;
 }
 
-/// LCM's own threads hand messages over under locks of GLib, which is not instrumented: the thread sanitizer
-/// does not see their order and would report each message. Our handlers are watched behind LossyLink.
+/// LCM's threads pass messages on under GLib's locks. GLib is not instrumented, so the thread sanitizer
+/// cannot see their order and would report each message. Our handlers are checked with LossyLink instead.
 #ifdef __SANITIZE_THREAD__
 constexpr bool kLcmIsWatched = true;
 #else
@@ -158,7 +158,8 @@ TEST_F(LcmItself, MulticastCarriesEverything) {
   const std::string error = errorOf([&] { publisher = makeLcmPublisher({url, 1, 11, {}}); });
   if (!publisher) GTEST_SKIP() << error;
   const auto subscriber = makeLcmSubscriber({url, 1, 0, {}});
-  expectEverything(*publisher, *subscriber, hair(200));  // a frame in one datagram: sockets lose of bursts
+  // A frame in one datagram: sockets drop parts of bursts
+  expectEverything(*publisher, *subscriber, hair(200));
 }
 
 TEST_F(LcmItself, ALogFileIsReplayed) {
@@ -171,7 +172,7 @@ TEST_F(LcmItself, ALogFileIsReplayed) {
     for (uint64_t number = 1; number <= 5; ++number) publisher->publish(hairFrame(groom, number));
   }
   for (int again = 0; again < 20;
-       ++again) {  // one that begins before all channels are listened to loses the groom
+       ++again) {  // a reader that starts before all channels are registered loses the groom
     const auto subscriber = makeLcmSubscriber({"file://" + file.string() + "?mode=r&speed=0", 1, 0, {}});
     ASSERT_TRUE(becomesTrue([&] { return subscriber->frame() && subscriber->frame()->frame == 5; })) << again;
     EXPECT_EQ(subscriber->groom()->guides.positions, groom.guides.positions);
@@ -267,7 +268,7 @@ TEST(Lcm, StrangersThatFellSilentLeaveRoomThoughNobodyAsks) {
   for (uint64_t session = 1; session <= 2000; ++session) hear(session);
   std::this_thread::sleep_for(kLcmSilence + milliseconds(500));
   hear(9999);
-  ASSERT_TRUE(reader->waitForAnswer(9999, kPatience));  // without a look at who is there
+  ASSERT_TRUE(reader->waitForAnswer(9999, kPatience));  // without a call of status()
   ASSERT_EQ(reader->allStatuses().size(), 1u);
   EXPECT_EQ(reader->allStatuses()[0].session, 9999u);
 }
@@ -276,8 +277,8 @@ TEST(Lcm, StrangersThatFellSilentLeaveRoomThoughNobodyAsks) {
 
 class LcmLosses : public testing::TestWithParam<double> {};
 
-/// Frames of 12 chunks of which some never come: each frame is shown, only the strands of lost chunks are
-/// concealed, and these are near where they really are.
+/// Frames of 12 chunks of which some never arrive. Each frame is shown, only strands of lost chunks are
+/// concealed, and their error is small.
 TEST_P(LcmLosses, OnlyTheStrandsOfLostChunksAreConcealed) {
   const auto link = std::make_shared<LossyLink>();
   const auto publisher = makeLcmPublisher(link, options(11));
@@ -327,7 +328,8 @@ TEST_P(LcmLosses, OnlyTheStrandsOfLostChunksAreConcealed) {
 
 INSTANTIATE_TEST_SUITE_P(Drops, LcmLosses, testing::Values(0.01, 0.05));
 
-/// The head rests and a limb swings: lost strands, and the limb itself where its chunk is lost, are on it.
+/// The head is at rest and a limb swings. Lost strands, and the limb where its chunk is lost, stay on its
+/// path.
 TEST(Lcm, HairOfALimbStaysOnItThroughLosses) {
   const auto link = std::make_shared<LossyLink>();
   const auto publisher = makeLcmPublisher(link, options(11, Codec::kFloat32));

@@ -10,7 +10,7 @@ namespace strandcast {
 
 constexpr uint32_t kLimb = 7;
 
-/// A part of a skinned body: its skin is the plane y = 0, within 4 cm of where x is `x`.
+/// A part of a skinned body. Its skin is the plane y = 0, within 4 cm of `x` along the x axis, m.
 inline Collider limb(uint32_t id = kLimb, float x = 0) {
   auto field = std::make_shared<DistanceField>();
   field->grid = {{x - 0.04f, -0.04f, -0.04f}, 0.01f, {1, 1, 1}, 0.02f, 1e-5f, 0, 0, 0};
@@ -38,7 +38,7 @@ inline ColliderSet limbs(std::vector<Collider> colliders, uint32_t revision = 1)
   return set;
 }
 
-/// Hair that stands out of its skin, all over it.
+/// Hair that grows everywhere on the limb's skin, along its normal.
 inline GroomDescription limbGroom(size_t strands, size_t vertices) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> place(-0.035f, 0.035f);
@@ -57,7 +57,7 @@ inline GroomDescription limbGroom(size_t strands, size_t vertices) {
 }
 
 /// Frame `number` at 60 Hz: the limb swings by 30 degrees about a joint 30 cm above it, twice a second, and
-/// takes its hair along; or the head does both.
+/// carries its hair. With `is_head` the head moves in the same way.
 inline GuideFrame limbFrame(const GroomDescription& groom, uint64_t number, bool is_head = false) {
   GuideFrame frame = frameOf(groom, number);
   const auto angle = static_cast<float>(0.5 * std::sin(12 * frame.simulation_time));
@@ -71,7 +71,7 @@ inline GuideFrame limbFrame(const GroomDescription& groom, uint64_t number, bool
   return frame;
 }
 
-/// What readers are promised of a frame's numbers.
+/// Whether a frame satisfies what readers are guaranteed.
 inline bool isSound(const GuideFrame& frame, size_t vertices) {
   bool is_sound = frame.positions.size() == vertices && frame.colliders.size() <= kMaxPlacedColliders;
   for (const Vec3& position : frame.positions) is_sound = is_sound && position.allFinite();
@@ -81,7 +81,7 @@ inline bool isSound(const GuideFrame& frame, size_t vertices) {
   return is_sound;
 }
 
-/// m, how far the limb of one frame is from where that of the other is, at most.
+/// m: largest distance between the limb's positions in two frames.
 inline float limbOff(const GuideFrame& a, const GuideFrame& b) {
   float off = 0;
   for (const Vec3& point : {Vec3(-0.04f, 0, 0), Vec3(0.04f, 0, 0.04f), Vec3(0, 0.04f, -0.04f)})

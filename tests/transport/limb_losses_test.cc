@@ -1,5 +1,5 @@
-// Simulated fur on an arm that bends as fast as a walker's limbs, cast over a link that loses chunks: how far
-// concealed strands are from where they are. docs/architecture.md has the numbers.
+// Simulated fur on an arm that bends as fast as a walker's limbs, sent over a link that loses chunks:
+// measures the error of concealed strands. docs/architecture.md has the numbers.
 #include "transport/concealment.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace strandcast {
 namespace {
 
-/// What a daemon casts: frames at 60 Hz, and each in chunks.
+/// The frames of a daemon at 60 Hz, and their chunks.
 struct Cast {
   std::shared_ptr<const GroomDescription> groom;
   std::shared_ptr<const ColliderSet> colliders;
@@ -26,8 +26,8 @@ struct Cast {
   std::vector<std::array<Vec3, 2>> corners;  // of each part at rest, m
 };
 
-/// Strands of every chunk are all over the arm, as in most files. It bends by 60 degrees and back twice a
-/// second; the head is the joint that stands.
+/// The strands of each chunk are spread over the arm, as in most files. The arm bends by 60 degrees and back
+/// twice a second. The fixed joint is the head.
 Cast furryLimb() {
   constexpr double kStart = 0.5, kSeconds = 1.5;  // s; the clip begins from rest
   const ScratchFolder folder;
@@ -76,10 +76,10 @@ Cast furryLimb() {
 
 using Lost = std::function<bool(size_t frame, size_t chunk)>;
 
-/// m: where concealed strands are put from where they are, over their vertices and over their roots.
+/// m: error of concealed strands, over their vertices and over their roots.
 struct Off {
   double mean = 0, most = 0, roots = 0;
-  double limb = 0;  ///< where frames have the parts' corners, at most
+  double limb = 0;  ///< largest error of the parts' corners
 };
 
 Off offWhere(const Cast& cast, const Lost& lost) {
@@ -135,7 +135,7 @@ class LimbLosses : public ::testing::Test {
     static const Cast made = furryLimb();
     return made;
   }
-  /// One chunk of frames that follow each other, now and then.
+  /// Loses one chunk of `frames` consecutive frames, repeatedly.
   static Lost inARow(size_t frames, size_t chunk) {
     return [=](size_t f, size_t c) { return c == chunk && f > 5 && f % (frames + 5) < frames; };
   }

@@ -12,14 +12,14 @@
 
 namespace strandcast {
 
-/// What happens to messages on the way, by seed. Probabilities from 0 to 1.
+/// Faults of a link, by seed. Probabilities from 0 to 1.
 struct Losses {
   double drop = 0, duplicate = 0;
-  double swap = 0;  ///< a message comes after the one that follows it
+  double swap = 0;  ///< probability that a message arrives after the one that follows it
   uint32_t seed = 1;
 };
 
-/// A network in memory: what is sent comes to every listener, in a thread of its own, less its losses.
+/// A network in memory: a thread delivers each message to every listener, with the given losses.
 class LossyLink final : public MessageLink {
  public:
   explicit LossyLink(Losses losses = {})
@@ -56,12 +56,12 @@ class LossyLink final : public MessageLink {
     }
     changed_.notify_all();
   }
-  /// From now on.
+  /// Takes effect from now on.
   void setLosses(const Losses& losses) {
     const std::lock_guard lock(mutex_);
     losses_ = losses;
   }
-  /// Until all that was sent has been heard.
+  /// Waits until all that was sent has been delivered.
   void drain() {
     std::unique_lock lock(mutex_);
     idle_.wait(lock, [&] { return queue_.empty() && !is_busy_; });

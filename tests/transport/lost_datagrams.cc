@@ -1,5 +1,5 @@
-// Takes the place of the C library's functions in transport_peer, so that DDS and LCM send through it:
-// datagrams are lost by seed, at the rate of STRANDCAST_PEER_LOSS (0 to 1).
+// Replaces functions of the C library in transport_peer, through which DDS and LCM send. Drops datagrams by
+// seed, at the rate STRANDCAST_PEER_LOSS (0 to 1).
 #include <dlfcn.h>
 #include <sys/socket.h>
 

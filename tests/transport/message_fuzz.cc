@@ -63,7 +63,7 @@ std::vector<FuzzSeeds> messageSeeds() {
   add("groom", splitGroom(sampleGroom(6, [](size_t s) { return 1 + s; }))[0]);  // every array
   add("body", splitBody(sampleBody(10))[0]);
   ColliderSet few = sampleColliders();
-  few.colliders[1].shapes.resize(5);  // one chunk is all
+  few.colliders[1].shapes.resize(5);  // so that one chunk holds all
   add("colliders", splitColliders(few)[0]);
   add("colliders", splitColliders(sampleColliders())[1]);
   add("guides", splitFrame(groom, [&] {

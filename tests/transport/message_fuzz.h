@@ -6,11 +6,11 @@
 
 namespace strandcast {
 
-/// Reads bytes as each message of LCM, and what can be read as far as the assemblers. The fuzzer's entry
-/// point; the tests run it on damaged messages. Returns how many messages could be read.
+/// Decodes bytes as each LCM message, and feeds what decodes to the assemblers. Entry point of the fuzzer;
+/// the tests run it on damaged messages. Returns the number of messages decoded.
 size_t fuzzMessages(const uint8_t* data, size_t size);
 
-/// Of each message; guides in every codec.
+/// Seeds of each message; guides in every codec.
 std::vector<FuzzSeeds> messageSeeds();
 
 }  // namespace strandcast

@@ -6,12 +6,12 @@
 
 namespace strandcast {
 
-/// Wavy hair of inextensible strands on a head that turns and nods while the strands sway: what codecs are
-/// made for. `length` m of each strand, `vertices(s)` of them.
+/// Wavy hair of inextensible strands on a head that turns and nods while the strands sway: typical input of
+/// the codecs. Strand s has `length` m and `vertices(s)` vertices.
 template <class VerticesOf>
 GroomDescription hairGroom(size_t strands, VerticesOf vertices, float length = 0.25f);
 
-/// Vertex i of strand s at an instant, in the head's frame: edges of equal length, directions that bend, wave
+/// Positions of strand s at a time, in the head's frame: edges of equal length, directions that bend, wave
 /// and sway along the strand.
 inline void swayingStrand(size_t s, double time, float length, std::span<Vec3> out) {
   std::minstd_rand random(static_cast<uint32_t>(s) + 1);
@@ -49,7 +49,7 @@ GroomDescription hairGroom(size_t strands, VerticesOf vertices, float length) {
   return groom;
 }
 
-/// Frame `number` at 60 Hz, without hair as yet.
+/// Header of frame `number` at 60 Hz, without positions.
 inline GuideFrame frameOf(const GroomDescription& groom, uint64_t number) {
   GuideFrame frame;
   frame.groom_id = groom.groom_id;

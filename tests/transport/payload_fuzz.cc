@@ -17,7 +17,7 @@ bool fuzzPayload(const uint8_t* data, size_t size) {
   static const GroomDescription kGroom = payloadGroom();
   static const GuideChunk kKey = splitFrame(kGroom, payloadFrame(kGroom, 1), {Codec::kTemporal})[0];
   if (size == 0) return false;
-  static GuideDecoder decoder;  // its zstd context takes longer to make than all the rest
+  static GuideDecoder decoder;  // static, because creating its zstd context takes longer than all else
   decoder.setGroom(kGroom.guides);
   std::vector<Vec3> positions(kGroom.guides.vertices());
   if (decoder.decode(kKey, positions) != DecodeResult::kDone) std::abort();

@@ -7,21 +7,22 @@
 
 namespace strandcast {
 
-/// What the first byte chooses: the encoding, or one that there is none of, and the frame that it builds on.
+/// The first byte of an input is encoding + kFuzzedEncodings * key_frame; it includes an unknown encoding.
 inline constexpr int kFuzzedEncodings = 6;
 
-/// Hair one strand of which is far away, so that it is sent as it is.
+/// Hair with one strand far away, so that it is sent as float32.
 inline GuideFrame payloadFrame(const GroomDescription& groom, uint64_t number) {
   GuideFrame frame = hairFrame(groom, number);
   frame.positions[groom.guides.offsets[7]].x() += 900;
   return frame;
 }
 
-/// Decodes arbitrary bytes as the payload of a chunk of payloadFrame() 2, behind a sound one of frame 1;
-/// aborts when what comes out is not finite. The fuzzer's entry point. Returns whether it was taken.
+/// Decodes arbitrary bytes as the payload of a chunk of payloadFrame() 2, after a valid one of frame 1.
+/// Aborts when a decoded position is not finite. Entry point of the fuzzer. Returns whether the payload was
+/// accepted.
 bool fuzzPayload(const uint8_t* data, size_t size);
 
-/// Of each codec, payloads of payloadFrame() 1 and 2 as fuzzPayload() takes them.
+/// For each codec, payloads of payloadFrame() 1 and 2 as fuzzPayload() expects them.
 std::vector<FuzzSeeds> payloadSeeds();
 
 }  // namespace strandcast

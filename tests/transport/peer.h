@@ -16,7 +16,7 @@ namespace strandcast {
 
 using Results = std::map<std::string, double>;
 
-/// What peers that are made while it lives are told by an environment variable.
+/// Sets an environment variable for the peers that are started during its lifetime.
 class PeerSetting {
  public:
   PeerSetting(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }
@@ -28,7 +28,7 @@ class PeerSetting {
   const char* name_;
 };
 
-/// A transport_peer, or another program; killed when it is still there at the end.
+/// A transport_peer process, or another program. The destructor kills it if it still runs.
 class Peer {
  public:
   explicit Peer(std::vector<std::string> arguments, const std::string& program = STRANDCAST_TRANSPORT_PEER) {
@@ -62,13 +62,13 @@ class Peer {
     waitpid(pid_, nullptr, 0);
     pid_ = 0;
   }
-  /// Reads on until this key was printed; false when the peer ended first.
+  /// Reads until this key was printed; false when the peer ended first.
   bool waitFor(const std::string& key) {
     while (!results_.contains(key) && readLine()) {
     }
     return results_.contains(key);
   }
-  /// All that it printed, at its end.
+  /// All results, after the peer has ended.
   const Results& finish() {
     while (readLine()) {
     }
@@ -78,7 +78,7 @@ class Peer {
     exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return results_;
   }
-  /// Ends it and says how it was doing, for the message of a failed test.
+  /// Kills the peer and describes its state, for the message of a failed test.
   std::string autopsy() {
     int status = 0;
     const bool had_ended = waitpid(pid_, &status, WNOHANG) == pid_;

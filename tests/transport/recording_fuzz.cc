@@ -8,7 +8,7 @@
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "moving_hair.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 #include "transport/message_bytes.h"
 #include "transport/recording/recorder.h"
 #include "transport/recording/recording.h"
@@ -16,7 +16,7 @@
 namespace strandcast {
 namespace {
 
-constexpr uint64_t kMostFrames = 64;  // that are read of one file: enough for every path, and quick
+constexpr uint64_t kMostFrames = 64;  // read of one file: enough to reach every path quickly
 
 bool isSoundFrame(const RecordedFrame& read) {
   return read.groom && read.body && read.frame &&
@@ -35,7 +35,7 @@ AirGrids sampleGrids(uint64_t frame, uint32_t cells, bool has_wind) {
   for (size_t which = 0; which < (has_wind ? kGridValues : 1); ++which)
     for (uint32_t cell = 0; cell < cells * cells * cells; ++cell) {
       const auto x = static_cast<float>(cell % cells), z = static_cast<float>(cell / (cells * cells));
-      if (cell / cells % cells != 3) {  // small, so that a fuzzer has room
+      if (cell / cells % cells != 3) {  // most values are 0, so that seeds stay small
         grids.values[which].push_back(0);
         continue;
       }
@@ -46,9 +46,9 @@ AirGrids sampleGrids(uint64_t frame, uint32_t cells, bool has_wind) {
 }
 
 bool RecordingInMemory::read(uint64_t offset, std::span<uint8_t> to) {
-  if (offset > bytes_.size() || to.size() > bytes_.size() - offset) std::abort();  // as it has promised
+  if (offset > bytes_.size() || to.size() > bytes_.size() - offset) std::abort();  // precondition of read()
   std::copy_n(bytes_.begin() + static_cast<ptrdiff_t>(offset), to.size(),
-              to.begin());  // also of an empty record
+              to.begin());  // an empty record is valid
   return true;
 }
 
@@ -126,7 +126,7 @@ std::vector<FuzzSeeds> recordingSeeds() {
     }
     recorder.close();
     std::ifstream stream(file, std::ios::binary);
-    std::vector<uint8_t> input = {1};  // hashes are repaired
+    std::vector<uint8_t> input = {1};  // selects repaired hashes
     input.insert(input.end(), std::istreambuf_iterator<char>(stream), {});
     seeds.push_back({info.name, {std::move(input)}});
   }

@@ -21,18 +21,18 @@ class RecordingInMemory final : public RecordingBytes {
   const std::vector<uint8_t> bytes_;
 };
 
-/// Gives every record the hash of what it holds now, so that damage gets as far as the reader's other checks.
+/// Recomputes every record's hash, so that damage reaches the reader's other checks.
 void repairHashes(std::vector<uint8_t>& recording);
 
-/// Grids of hair alone, or of wind too, which differ from frame to frame.
+/// Grids of hair only, or of wind too, which differ from frame to frame.
 AirGrids sampleGrids(uint64_t frame, uint32_t cells, bool has_wind);
 
-/// Reads everything in what may be a recording, forwards, backwards and by time. The first byte says whether
-/// hashes are repaired before. Aborts where a frame does not fit its groom, or grids are not sound. Gives the
-/// frames that were read.
+/// Reads everything in an arbitrary file as a recording: forwards, backwards and by time. The first byte
+/// selects whether hashes are repaired first. Aborts where a frame does not fit its groom, or grids are
+/// invalid. Returns the number of frames read.
 size_t fuzzRecording(const uint8_t* data, size_t size);
 
-/// Recordings of a few frames, as fuzzRecording() takes them.
+/// Recordings of a few frames, as fuzzRecording() expects them.
 std::vector<FuzzSeeds> recordingSeeds();
 
 }  // namespace strandcast

@@ -15,7 +15,7 @@
 #include "recording_fuzz.h"
 #include "tests/error_of.h"
 #include "tests/full_disk.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 #include "transport/in_process.h"
 #include "transport/message_bytes.h"
 #include "transport/message_fields.h"
@@ -43,7 +43,7 @@ Command inputOf(uint64_t id) {
   return command;
 }
 
-/// Frames 1 to `frames` at 60 Hz; a command before frame 3.
+/// Records frames 1 to `frames` at 60 Hz, with a command before frame 3.
 void record(const std::filesystem::path& file, uint64_t frames, Codec codec = Codec::kFloat32,
             bool is_closed = true) {
   const GroomDescription groom = smallGroom();
@@ -107,7 +107,7 @@ TEST(RecordingTest, CodecsKeepToTheirError) {
     record(folder / "a.rec", 20, codec);
     Recording recording(folder / "a.rec");
     RecordedFrame read;
-    for (const uint64_t number : {19, 3, 4}) {  // any frame stands alone
+    for (const uint64_t number : {19, 3, 4}) {  // every frame decodes alone
       recording.read(number, read);
       const GuideFrame expected = hairFrame(groom, number + 1);
       float worst = 0;
@@ -265,8 +265,8 @@ TEST(RecordingTest, GridsThatWereCutAreNotThereAndDamagedOnesAreRefused) {
     EXPECT_EQ(cut.readGrids(0, grids), size >= grids_end) << size;
   }
 
-  // Of the first record: number, cells, origin, cell, first layer, values, count of units, units, packed
-  // bytes.
+  // Layout of the first record: number, cells, origin, cell, first layer, values, count of units, units,
+  // packed bytes.
   constexpr size_t kOf = kRecordHeadBytes;
   const auto refuses = [&](size_t at, std::vector<uint8_t> with, bool repairs = true) {
     std::vector<uint8_t> bytes = whole;
@@ -346,7 +346,8 @@ TEST(RecordingTest, WhatIsNoRecordingIsRefused) {
   }
 }
 
-/// A recording as this version wrote it, from one of the present version. Its guide chunks are `OldChunk`s.
+/// Converts a recording of the present version to an old one with guide chunks of type OldChunk, and reads
+/// it.
 template <class OldChunk>
 void expectOldVersionIsRead(uint32_t version) {
   const ScratchFolder folder;
@@ -541,7 +542,7 @@ TEST(RecordingTest, DamagedFilesAreRefusedOrReadSoundly) {
   size_t read = 0;
   for (int i = 0; i < 4000; ++i) {
     std::vector<uint8_t> bytes = files[random() % files.size()].inputs[0];
-    // The head's long text is not where damage matters.
+    // Damage beyond the head, because most of the head is its long text.
     constexpr size_t kBehindHead = 1300;
     for (size_t times = 1 + random() % 3; times > 0; --times) {
       const size_t at = kBehindHead + random() % (bytes.size() - kBehindHead);

@@ -25,7 +25,7 @@ namespace {
 using eprosima::fastrtps::rtps::InstanceHandle_t;
 using eprosima::fastrtps::rtps::SerializedPayload_t;
 
-/// Claims to be one of our types and sends what it is given.
+/// A type with the name of one of ours that sends arbitrary bytes.
 class RawType final : public eprosima::fastdds::dds::TopicDataType {
  public:
   explicit RawType(const char* name) {
@@ -76,7 +76,7 @@ TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
   for (int i = 0; i < 400; ++i) {
     std::vector<uint8_t> bytes(1 + random() % 1500);
     for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random() % 3 == 0 ? random() : 0);
-    // Half of them with the sound head of little-endian CDR, so that the fields are reached.
+    // Half of them begin with a valid little-endian CDR header, so that the fields are reached.
     const uint8_t head[] = {0, 1, 0, 0};
     if (i % 2 != 0 && bytes.size() >= sizeof head) std::memcpy(bytes.data(), head, sizeof head);
     for (auto* writer : writers) writer->write(&bytes);
@@ -97,7 +97,7 @@ TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
 TEST(Claims, AStatusThatComesBeforeItsClaimIsNoRivals) {
   const int domain = testDomain(8);
   const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}, 1});
-  std::this_thread::sleep_for(std::chrono::milliseconds(2700));  // until it knows its turn
+  std::this_thread::sleep_for(std::chrono::milliseconds(2700));  // until it knows whether another one casts
   const auto speak = [](DdsParticipant& participant, uint64_t session, MatchCounter& match) {
     auto* const writer = participant.createWriter(kStatusTopic, new StatusType, &match);
     v6::Status status;
@@ -148,7 +148,7 @@ TEST(Neighbours, ADaemonOnSharedMemoryWaitsForOneThatIsThereAndIsNotHeard) {
   const DdsParticipant of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, true});
   DdsParticipant silent(DdsNetwork(domain), 1, DdsRole{true, 1, true});
   EXPECT_TRUE(becomes(true));
-  EXPECT_FALSE(publisher->isDeaf()) << "its writers may yet be found";
+  EXPECT_FALSE(publisher->cannotHearDaemon()) << "its writers may yet be found";
   silent.createWriter(kClaimTopic, new ClaimType, nullptr, 7);
   EXPECT_TRUE(becomes(false));
 }
@@ -203,7 +203,7 @@ TEST(Neighbours, ADaemonListensForLongOnlyWhereARivalMayBe) {
     return publisher->possibleRivals() == rivals;
   };
   {
-    // Who is known when a later one is known is taken for what it says.
+    // When the last one is discovered, the others are known too, and count by their roles.
     const DdsParticipant reader(DdsNetwork(domain), 1, DdsRole{false, 1, false});
     const DdsParticipant of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, false});
     const DdsParticipant says_nothing(DdsNetwork(domain), 1);

@@ -10,7 +10,7 @@
 
 namespace strandcast {
 
-/// A seeded groom with every optional array, or with none. `vertices(s)` gives each strand's count.
+/// A seeded groom with every optional array, or with none. Strand s has `vertices(s)` vertices.
 template <class VerticesOf>
 GroomDescription sampleGroom(size_t strands, VerticesOf vertices, bool with_arrays = true) {
   std::mt19937 random(7);
@@ -60,7 +60,7 @@ inline BodyDescription sampleBody(uint32_t size, bool with_arrays = true) {
   return body;
 }
 
-/// A ball that follows the head, and one body of every other kind that does not.
+/// A ball that follows the head, and a body of every other kind of shape that does not.
 inline ColliderSet sampleColliders(uint64_t session = 11) {
   ColliderSet set;
   set.groom_id = 1;
@@ -134,7 +134,7 @@ inline bool areAlike(const ColliderSet& a, const ColliderSet& b) {
   return true;
 }
 
-/// Every number of it is another one.
+/// All numbers differ.
 inline SurfaceBend sampleBend(uint64_t number) {
   SurfaceBend bend;
   float next = static_cast<float>(number);
@@ -145,7 +145,7 @@ inline bool areAlike(const SurfaceBend& a, const SurfaceBend& b) {
   return a.middle == b.middle && a.terms == b.terms;
 }
 
-/// Frame `number` of a groom: every position tells its vertex and frame.
+/// Frame `number` of a groom: every position encodes its vertex and frame.
 inline void fillSampleFrame(const GroomDescription& groom, uint64_t number, GuideFrame& frame) {
   frame.groom_id = groom.groom_id;
   frame.session = groom.session;
@@ -169,7 +169,7 @@ inline GuideFrame sampleFrame(const GroomDescription& groom, uint64_t number) {
   return frame;
 }
 
-/// All chunks of a frame, as a publisher with these options makes them.
+/// All chunks of a frame, as a publisher with these options encodes them.
 inline std::vector<GuideChunk> splitFrame(const GroomDescription& groom, const GuideFrame& frame,
                                           const CodecOptions& codec = {Codec::kFloat32}) {
   GuideEncoder encoder(codec);

@@ -1,5 +1,5 @@
-// The profile `secure` as real processes: who is known does what its permissions say, and nobody else hears
-// or moves anything.
+// The profile `secure` with real processes: known programs have their permissions, and unknown ones receive
+// nothing and have no effect.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -14,7 +14,7 @@
 #include "dds_domain.h"
 #include "peer.h"
 #include "tests/error_of.h"
-#include "tests/groom/scratch_folder.h"
+#include "tests/io/scratch_folder.h"
 #include "transport/dds.h"
 #include "transport/security/key_folder.h"
 #include "transport/security/test_authority.h"
@@ -55,7 +55,7 @@ class Secure : public testing::Test {
 TEST_F(Secure, ARivalIsHeardInTime) {
   const std::string domain = std::to_string(testDomain(5));
   const auto first = secure({"cast", domain, "60"}, "daemon");
-  for (int trial = 0; trial < 2; ++trial) {  // it listens for kSecureRivalListenTime
+  for (int trial = 0; trial < 2; ++trial) {  // each listens for kSecureRivalListenTime
     const auto second = secure({"publish", domain, "0.1"}, "daemon");
     EXPECT_TRUE(second->finish().contains("rival")) << second->text();
   }
@@ -87,7 +87,7 @@ TEST_F(Secure, WhoIsKnownReadsAndCommandsAsPermitted) {
   EXPECT_EQ(daemon->results().at("command"), 102) << "the first that it got";
 }
 
-/// The governance of the test CA without control of who writes.
+/// Replaces the test CA's governance by one without write access control, in `folder`.
 void allowEverything(const fs::path& keys, const fs::path& scratch, const fs::path& folder) {
   std::string governance = governanceXml();
   const std::string rule = "<enable_write_access_control>true";
@@ -108,7 +108,7 @@ TEST_F(Secure, WhoIsNotKnownHearsNothingAndWhoIsNotPermittedMovesNothing) {
   makeTestKeys(scratch_ / "foreign", 30);
   const auto stranger = makeDdsSubscriber({domain, 1, 0, {}});
   const auto foreigner = makeDdsSubscriber(secured(domain, scratch_ / "foreign" / "renderer"));
-  // A program that leaves its own rules out of account is still held to the others'.
+  // A program that ignores its own governance is still bound by that of the others.
   allowEverything(keys_, scratch_ / "governance.xml", keys_ / "reader");
   const auto cheat = makeDdsSubscriber(secured(domain, keys_ / "reader"));
   EXPECT_TRUE(cheat->mayCommand()) << "by its own rules";

@@ -11,7 +11,8 @@
 
 namespace strandcast {
 
-/// That a subscriber without frames steers this daemon, is given none of its hair, and is no reader of it.
+/// Expects that a subscriber without frames commands this daemon, receives no hair, and is not counted as a
+/// reader.
 inline void expectSteersAlone(Publisher& publisher, Subscriber& subscriber) {
   using std::chrono::milliseconds;
   const GroomDescription groom = uniformGroom(20, 4);

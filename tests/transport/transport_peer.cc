@@ -1,21 +1,20 @@
-// The other process of the tests over the network. Prints "key value" lines; an Error goes to standard error
-// and ends it with exit code 2.
+// The second process of the network tests. Prints "key value" lines. An Error goes to standard error and ends
+// it with exit code 2.
 //
-//   transport_peer publish DOMAIN SECONDS     daemon of groom 1 at 60 Hz, kPeerGuides x 16, after it
-//                                             has listened for rivals
-//   transport_peer cast DOMAIN SECONDS        the same at once; ends earlier when it is told to shut down
+//   transport_peer publish DOMAIN SECONDS     daemon of groom 1 at 60 Hz, kPeerGuides x 16 vertices, after
+//                                             listening for rivals
+//   transport_peer cast DOMAIN SECONDS        the same without listening; ends early on a shutdown command
 //   transport_peer claim DOMAIN STRENGTH      the same for a minute, sharing the groom with others
-//   transport_peer cast_lcm DOMAIN SECONDS    the same over LCM, without a claim
-//   transport_peer read DOMAIN SECONDS MS     reader that takes MS milliseconds over each frame
+//   transport_peer cast_lcm DOMAIN SECONDS    as cast, over LCM
+//   transport_peer read DOMAIN SECONDS MS     reader that takes MS milliseconds per frame
 //   transport_peer read_lcm DOMAIN SECONDS MS
 //   transport_peer send DOMAIN ID             sends one command and ends
-//   transport_peer alone DOMAIN SECONDS       publish and read where there is no network but 127.0.0.1
-//   transport_peer offline DOMAIN             a reader where no interface is up
-//   transport_peer lcm_alone DOMAIN           a reader over LCM where 127.0.0.1 has no route for multicast
+//   transport_peer alone DOMAIN SECONDS       publishes and reads where 127.0.0.1 is the only network
+//   transport_peer offline DOMAIN             reader where no interface is up
+//   transport_peer lcm_alone DOMAIN           reader over LCM where 127.0.0.1 has no multicast route
 //
-// With STRANDCAST_PEER_LOSS=0.01 one of a hundred datagrams that it sends is lost. With
-// STRANDCAST_PEER_PROFILE and STRANDCAST_PEER_KEYS all but the LCM ones use that profile of DDS and that
-// folder of keys.
+// STRANDCAST_PEER_LOSS=0.01 drops one in a hundred of the datagrams that it sends. STRANDCAST_PEER_PROFILE
+// and STRANDCAST_PEER_KEYS set the DDS profile and the key folder of all but the LCM variants.
 #include <net/if.h>
 #include <sched.h>
 #include <signal.h>
@@ -44,16 +43,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr int kNoNamespace = 77;
-// A handshake takes longer than is promised of programs that users run.
+// With sanitizers a handshake takes longer than kSecureRivalListenTime allows.
 constexpr int kHandshakePatience = kSanitized ? 4 : 1;
 
-/// For tests that start a peer again: prints at once, the parent reads as it comes.
+/// Flushes each line, because the parent reads results while the peer runs.
 void print(const char* key, double value) {
   std::printf("%s %.6f\n", key, value);
   std::fflush(stdout);
 }
 
-/// Casts frames on time until `seconds` are over or it is told to shut down.
+/// Publishes frames on time until `seconds` have passed or a shutdown command arrives.
 int cast(Publisher& publisher, double seconds) {
   GroomDescription groom = uniformGroom(kPeerGuides, 16);
   groom.session = static_cast<uint64_t>(getpid());
@@ -82,7 +81,7 @@ int cast(Publisher& publisher, double seconds) {
     }
     if (number % 30 == 0) publisher.publishStatus(status);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // repairs of the last frames
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // time for repairs of the last frames
   print("published", static_cast<double>(number));
   print("slowest_publish_ms", slowest_ms);
   print("most_late_ms", most_late_ms);
@@ -157,7 +156,7 @@ int send(int domain, uint64_t id) {
   return 0;
 }
 
-/// Leaves the machine's network for an empty one of this process.
+/// Moves this process to an empty network namespace.
 bool enterEmptyNetwork() { return unshare(CLONE_NEWNET) == 0 || unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0; }
 
 bool raiseLoopback() {

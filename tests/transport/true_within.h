@@ -5,7 +5,7 @@
 
 namespace strandcast {
 
-/// Looks again and again; false when it is not so by then.
+/// Polls a condition; false when it is not true within `patience`.
 inline bool trueWithin(std::chrono::milliseconds patience, const std::function<bool()>& condition) {
   const auto end = std::chrono::steady_clock::now() + patience;
   while (!condition()) {

@@ -33,7 +33,7 @@ bool deserialize(const std::vector<uint8_t>& bytes, Wire& sample) {
   return type.deserialize(&payload, &sample);
 }
 
-/// Serialises every chunk, damages it in `runs` seeded ways and feeds what can still be read to the
+/// Serialises every chunk, damages it in `runs` seeded ways, and feeds what still deserialises to the
 /// assembler.
 template <class PubSubType, class Wire, class Chunk, class Assembler>
 void damageBytes(std::vector<Chunk> chunks, Assembler make, int runs) {

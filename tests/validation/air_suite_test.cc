@@ -14,7 +14,7 @@ TEST(AirSuite, AStrandInTheWindLeansAsTheExactOne) {
     EXPECT_TRUE(c.passed) << c.name << ": " << c.error << ' ' << c.error_unit;
 }
 
-// What moves a groom at rest is the rounding of positions in float, not what it feels: doubles stay.
+// A groom at rest moves by the rounding of float positions, not by forces: in double it stays at rest.
 TEST(AirSuite, AGroomAtRestStaysWhereItIsInDouble) {
   const Laboratory laboratory(makeOracleBackend, SolverKind::kRod);
   Parameters parameters = laboratory.parameters(60, 1);

@@ -1,4 +1,4 @@
-// Each solution is held against published values or against another way to the same number.
+// Each solution is compared with published values or with an independent computation.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,21 +44,21 @@ TEST(ExactSolutions, ElasticaWithTipLoad) {
     EXPECT_NEAR(tip.drop, row.drop, 2e-6) << row.alpha;
     EXPECT_NEAR(1 - tip.reach, row.shortfall, 2e-6) << row.alpha;
   }
-  // Small loads add up: w L^4 / (8 B) and P L^3 / (3 B).
+  // Small deflections superpose: w L^4 / (8 B) and P L^3 / (3 B).
   EXPECT_NEAR(restingElastica(1e-3, 2e-3).drop, 1e-3 / 8 + 2e-3 / 3, 1e-8);
-  // The integral of moment x distance from the tip / stiffness, of both halves.
+  // The integral of moment x distance from the tip / stiffness over both halves.
   const ElasticaStep half{0.5, 0.25};
   EXPECT_NEAR(restingElastica(1e-3, 0, half).drop, 1e-3 / 8 * (15.0 / 16 + 4 * 1.0 / 16), 1e-8);
   EXPECT_NEAR(restingElastica(0, 1e-3, half).drop, 1e-3 / 3 * (7.0 / 8 + 4 * 1.0 / 8), 1e-8);
-  // Weight that grows evenly: w L^4 / (8 B) and, of what grows, 11 L^4 / (120 B) (Roark).
+  // Linearly growing weight: w L^4 / (8 B) plus, of the growing part, 11 L^4 / (120 B) (Roark).
   EXPECT_NEAR(restingElastica(1e-3, 0, {0, 1, 1, 2}).drop, 1e-3 * (1.0 / 8 + 2 * 11.0 / 120), 1e-8);
-  // What grows on the outer half alone, W = w L / 4 in all at two thirds of it, bends the inner half by W and
-  // W L / 3 too.
+  // Growth on the outer half only: its resultant W = w L / 4, at two thirds of that half, also bends the
+  // inner half by the force W and the moment W L / 3.
   const double force = 0.25, moment = 0.25 / 3, half_drop = force / 24 + moment / 8,
                half_slope = force / 8 + moment / 2;
   EXPECT_NEAR(restingElastica(1e-3, 0, {0.5, 1, 1, 1}).drop - restingElastica(1e-3, 0).drop,
               1e-3 * (11.0 / 120 / 16 + half_drop + half_slope / 2), 1e-8);
-  // An outer half without weight: w (L / 2)^4 / (8 B), and its slope w (L / 2)^3 / (6 B) on to the tip.
+  // Weightless outer half: w (L / 2)^4 / (8 B), continued to the tip with the slope w (L / 2)^3 / (6 B).
   EXPECT_NEAR(restingElastica(1e-3, 0, {0.5, 1, 0}).drop, 1e-3 * (1.0 / 128 + 1.0 / 96), 1e-8);
 }
 
@@ -79,7 +79,7 @@ TEST(ExactSolutions, ChainsOfUnevenDensity) {
     const UnevenChain even(n, 1), light(n, 1e-6);
     EXPECT_NEAR(even.frequency(), chainRoot(n) / 2, 1e-5);
     for (const double s : {0.0, 0.3, 0.8, 1.0}) EXPECT_NEAR(even.shape(s), chainShape(n, s), 1e-5) << s;
-    // Density that vanishes at the tip: y = J1(r sqrt(u)) / sqrt(u), r the n-th root of J1, swings at r /
+    // Density that vanishes at the tip: y = J1(r sqrt(u)) / sqrt(u), r the n-th root of J1; frequency r /
     // sqrt(8).
     const double roots[] = {3.831706, 7.015587, 10.173468};
     EXPECT_NEAR(light.frequency(), roots[n - 1] / std::sqrt(8.0), 1e-4);

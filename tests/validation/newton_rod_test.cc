@@ -20,10 +20,10 @@ StrandModel straight(double length, int edges, const Vec3& direction) {
 
 StrandModel curl(double length, int edges) { return modelOf({hungCurl(length, edges, 0.01)}); }
 
-// From rest without a jump of the acceleration.
+// Starts from rest without a jump of the acceleration.
 Pose shaken(double time) { return shakenRoot(time, {.ramp = 0.25}); }
 
-using Path = std::vector<Eigen::Vector3d>;  // of the tip, 60 times a second
+using Path = std::vector<Eigen::Vector3d>;  // positions of the tip, 60 per second
 constexpr double kSeconds = 0.5, kDrag = 2;
 
 Path pathOfNewton(const StrandModel& model, int rate) {
@@ -91,8 +91,8 @@ TEST(NewtonRod, ConvergesWithTheSecondOrder) {
   EXPECT_LT(distance(middle, fine), 0.3 * distance(coarse, middle));
 }
 
-// A straight strand let go sideways without drag: its energy stays. The energy of a straight joint whose
-// strain is 2 tan(theta / 2) and whose moment is `bend` times that is -4 bend log(cos(theta / 2)).
+// A horizontal straight strand released without drag conserves its energy. A joint of strain 2 tan(theta / 2)
+// and moment bend x strain has the energy -4 bend log(cos(theta / 2)).
 TEST(NewtonRod, KeepsTheEnergyOfAFall) {
   const StrandModel model = straight(0.15, 16, Vec3::UnitX());
   NewtonRod rod(model, 0, rodParameters(5760, 0), model.rest_roots[0]);

@@ -1,4 +1,4 @@
-// How far the solver `rod` is from the truth in motion: docs/solver.md has the table.
+// Error of the solver `rod` in motion; docs/solver.md has the table.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,13 +14,13 @@ namespace {
 
 constexpr int kEdges = 32;
 constexpr int kFrames = 540;      // 1.5 s, 360 a second
-constexpr int kExactRate = 5760;  // of the truth, 1/s
+constexpr int kExactRate = 5760;  // step rate of the reference, 1/s
 
 StrandModel strandOf(double length, double helix_radius) {
   return modelOf({hungCurl(length, kEdges, helix_radius)});
 }
 
-// RMS distance of the tips over 1.5 s from rest, m.
+// Rms distance of the tips over 1.5 s, starting from rest, m.
 double tipError(const StrandModel& model, double ramp) {
   const Pose root = model.rest_roots[0];
   const Parameters settle = rodParameters(360, 10), parameters = rodParameters(360, 2);

@@ -8,7 +8,7 @@
 
 namespace strandcast {
 
-/// What the tests of motion share: a rod solver's parameters and a curl.
+/// Shared by the tests of motion: parameters of the rod solver and a curl.
 
 inline Parameters rodParameters(double rate, double drag) {
   Parameters parameters;
@@ -19,7 +19,7 @@ inline Parameters rodParameters(double rate, double drag) {
   return parameters;
 }
 
-/// A helix down from the root, pitch 1 cm; a straight strand where the radius is 0. Metres.
+/// A helix downwards from the root with a pitch of 1 cm, m; a straight strand where the radius is 0.
 inline std::vector<Vec3> hungCurl(double length, int edges, double radius) {
   const double rise = 0.01 / (2 * std::numbers::pi);  // per radian
   std::vector<Vec3> points;

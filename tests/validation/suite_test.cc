@@ -53,7 +53,7 @@ TEST(Suites, TheRodPassesTheCantileverAtEveryWeight) {
     }
 }
 
-// The suite must tell a wrong answer from a right one: the other solver sags as its sweeps have it.
+// The suite must reject a wrong result: the sag of gauss_seidel depends on its iterations.
 TEST(Suites, GaussSeidelFailsTheCantilever) {
   const std::vector<Case> cases =
       runSuite(validationSuite("cantilever"), reference(SolverKind::kGaussSeidel), "vertices=32");
@@ -61,7 +61,7 @@ TEST(Suites, GaussSeidelFailsTheCantilever) {
   EXPECT_GE(std::count_if(cases.begin(), cases.end(), [](const Case& c) { return !c.passed; }), 8);
 }
 
-// Hair stays where it is put, or is no number after a step.
+// A backend whose hair never moves, or becomes NaN after a step.
 class Broken final : public Backend {
  public:
   explicit Broken(bool stays) : stays_(stays) {}

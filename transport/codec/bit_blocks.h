@@ -4,17 +4,18 @@
 
 namespace strandcast {
 
-/// Numbers of 16 bits, most of them small, with as many bits each as the largest of the eight beside it takes
-/// (frame of reference: Zukowski et al., Super-Scalar RAM-CPU Cache Compression, ICDE 2006): many at once are
-/// packed and unpacked in a few operations, by StrandCoder. docs/wire.md, "Blocks of bits".
+/// Packs 16-bit numbers in blocks of eight, each with as many bits per number as the largest of the block
+/// needs (frame of reference: Zukowski et al., Super-Scalar RAM-CPU Cache Compression, ICDE 2006).
+/// StrandCoder packs and unpacks whole blocks in a few operations. Format: docs/wire.md, "Blocks of bits".
 inline constexpr size_t kBitBlock = 8;                  ///< numbers of one width
-inline constexpr size_t kBitBlockPair = 2 * kBitBlock;  ///< behind one byte of widths
+inline constexpr size_t kBitBlockPair = 2 * kBitBlock;  ///< numbers after one byte of widths
 inline constexpr uint32_t kMostBlockWidth = 16;
-/// What stands for kMostBlockWidth in a byte of two widths: 15 bits are written as 16.
+/// Code of kMostBlockWidth in the byte of two widths: numbers of 15 bits are written with 16.
 inline constexpr uint32_t kWidestCode = 15;
 inline constexpr size_t kMostPairBytes = 1 + 2 * kMostBlockWidth;
 
-/// Room that so many numbers may take while they are packed.
+/// Capacity that packing `count` numbers requires, bytes: the worst case, and one word for stores past the
+/// end.
 inline constexpr size_t mostPackedBytes(size_t count) {
   return (count + kBitBlockPair - 1) / kBitBlockPair * kMostPairBytes + sizeof(uint64_t);
 }

@@ -1,12 +1,13 @@
-// Packs and unpacks blocks of bits (bit_blocks.h). Included inside a target's namespace behind kernels/lanes_highway.inl.
+// Packs and unpacks blocks of bits (bit_blocks.h). Included inside a target's namespace after
+// kernels/lanes_highway.inl.
 
-/// Four numbers, the first in the lowest 16 bits.
+/// Four 16-bit numbers, the first in the lowest bits.
 using Four = uint64_t;
 constexpr Four kOnes = 0x0001000100010001, kEven = 0x0000ffff0000ffff, kTwo = 0x0000000100000001;
 
 HWY_INLINE uint64_t lowBits(uint32_t count) { return (uint64_t{1} << count) - 1; }
 
-/// zigzag() of each, and back.
+/// zigzag() of each number, and its inverse.
 HWY_INLINE Four folded(Four numbers) {
   return (numbers & 0x7fff * kOnes) << 1 ^ ((numbers >> 15 & kOnes) * 0xffff);
 }
@@ -24,7 +25,8 @@ HWY_INLINE uint32_t widthOf(const BitBlock& block) {
   return bits == kWidestCode ? kMostBlockWidth : bits;
 }
 
-// Numbers of `width` bits move together: neighbours to pairs, then these; and back, whatever is above.
+// Packs four numbers of `width` bits without gaps: first pairs, then both pairs. apart() is the inverse and ignores
+// higher bits.
 HWY_INLINE uint64_t together(Four numbers, uint32_t width) {
   const uint64_t pairs = (numbers & kEven) | (numbers >> 16 & kEven) << width;
   return (pairs & lowBits(32)) | pairs >> 32 << 2 * width;
@@ -34,10 +36,10 @@ HWY_INLINE Four apart(uint64_t bits, uint32_t width) {
   return (pairs & own) | (pairs >> width & own) << 16;
 }
 
-// The second half starts in the middle of a byte where `width` is odd.
+// Where `width` is odd, the second half of a block starts in the middle of a byte.
 HWY_INLINE uint32_t halfByte(uint32_t width) { return 4 * (width & 1); }
 
-/// Writes up to 8 bytes beyond the `width` that count.
+/// Stores up to 8 bytes beyond the `width` bytes of the block.
 HWY_INLINE uint8_t* putBlock(const BitBlock& block, uint32_t width, uint8_t* to) {
   const uint64_t first = together(block.first, width), second = together(block.second, width);
   const uint64_t shared = (width & 1) * (first >> (4 * (width - 1) & 63));
@@ -65,10 +67,10 @@ uint8_t* packNumbers(std::span<const uint16_t> numbers, uint8_t* to) {
   return putPair(rest.data(), to);
 }
 
-/// Reads up to 16 bytes, of which `width` count.
+/// Loads up to 16 bytes, of which `width` are the block's.
 HWY_INLINE void takeBlock(const uint8_t* from, uint32_t width, uint16_t* numbers) {
 #if HWY_MAX_BYTES >= 32
-  // All at once: each lane fetches the 32 bits that its number starts in.
+  // All eight at once: each lane gathers the 32 bits in which its number starts.
   const hn::FixedTag<uint32_t, kBitBlock> lanes;
   const hn::Repartition<uint8_t, decltype(lanes)> bytes;
   const auto bit = hn::Mul(hn::Iota(lanes, 0), hn::Set(lanes, width));

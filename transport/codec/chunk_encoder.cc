@@ -7,12 +7,13 @@
 namespace strandcast {
 namespace {
 
-/// A component is off by half a step at most, a position by sqrt(3) times that. The rest of the bound is for
-/// the rounding of floats on the way to the head's frame and back.
+/// Grid step over error bound. A component is off by at most half a step, a position by sqrt(3) times that.
+/// The factor 0.95 leaves room for rounding on the way to the head's frame and back.
 constexpr float kStepOfError = 0.95f * 2 / 1.7320508f;
-/// The same on a plane; more is left for what a strand is off along itself, which no direction can mend.
+/// Likewise on a plane. The factor 0.6 leaves room for the error along the strand, which no direction can
+/// correct.
 constexpr float kTangentStepOfError = 0.6f * 2 / 1.4142136f;
-/// An encoding that cannot hold one strand in so many is left for kDelta16.
+/// An encoding is replaced by kDelta16 if more than one strand in kUnfitShare does not fit it.
 constexpr size_t kUnfitShare = 8;
 
 Encoding encodingOf(Codec codec) {
@@ -64,7 +65,7 @@ void ChunkEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, 
     Vec3 decoded, index;
     bool fits = true;
     for (int c = 0; c < 3; ++c) {
-      // Tangents: steps off the rest; else the grid's points.
+      // Tangents: difference from rest; otherwise grid coordinates.
       const int32_t place = gridIndex(is_tangent ? local[c] - rest[c] : local[c], step);
       const int32_t moved = is_tangent ? place : place - gridIndex(rest[c], step);
       const int32_t symbol = std::clamp(moved, -32767, 32767);
@@ -75,7 +76,7 @@ void ChunkEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, 
     }
     const float error = (head.toWorld(decoded) - wanted).squaredNorm();
     roots_[s] = encoding == Encoding::kDelta16 ? index : decoded;
-    worst_[s] = fits && error <= squared_limit_ ? error : kNotHeld;  // also where it is not a number
+    worst_[s] = fits && error <= squared_limit_ ? error : kNotHeld;  // false for NaN
   }
 }
 
@@ -122,7 +123,7 @@ void ChunkEncoder::findStrandEnds(const StrandRun& run) {
     strand_ends_[s] = groom_->geometry.offsets[run.first_strand + s + 1] - run.first_vertex - (s + 1);
 }
 
-/// Symbols of strands that are sent as they are tell nothing: zeros cost least.
+/// The symbols of strands that are sent as float32 carry no information: zeros need the fewest bits.
 void ChunkEncoder::forgetExactStrands(const StrandRun& run) {
   const size_t plane = run.vertex_count - run.strand_count;
   for (const uint16_t s : exact_) {
@@ -172,15 +173,15 @@ void ChunkEncoder::encodeTangents(const GuideFrame& frame, uint32_t index, Guide
   const StrandRun& run = groom_->runs[index];
   TangentHistory* const own = groom_->histories.empty() ? nullptr : &groom_->histories[index];
   const TangentHistory* history = nullptr;
-  // A gap in the numbers: others were casting, or readers may have changed.
+  // After a gap in frame numbers another daemon may have cast, and readers may have changed: use a key frame.
   if (own && own->frame != 0 && own->frame + 1 == frame.frame) {
-    // Each chunk stands alone at a time of its own, so that frames are about equally large.
+    // Key frames of different chunks are spread over frames, so that frames have about equal size.
     const uint64_t phase = frame.frame + uint64_t{index} * groom_->options.key_interval / groom_->runs.size();
     if (phase % groom_->options.key_interval != 0) history = own;
   }
   quantize(frame, index, Encoding::kTangent, history);
   if (exact_.size() * kUnfitShare > run.strand_count) {
-    if (own) own->frame = 0;  // nobody is told of it
+    if (own) own->frame = 0;  // not sent
     chunk.encoding = Encoding::kDelta16;
     return;
   }
@@ -209,7 +210,7 @@ ChunkReport ChunkEncoder::encode(const GuideFrame& frame, uint32_t index, GuideC
     writeSymbols(frame, run, chunk);
   }
   if (chunk.payload.size() >= run.vertex_count * sizeof(Vec3)) {
-    if (!groom_->histories.empty()) groom_->histories[index].frame = 0;  // nobody is told of it
+    if (!groom_->histories.empty()) groom_->histories[index].frame = 0;  // not sent
     writeFloat32(frame, run, chunk);
     return {run.strand_count, 0};
   }

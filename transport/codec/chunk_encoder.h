@@ -9,25 +9,26 @@
 
 namespace strandcast {
 
-/// What the chunks of a groom's frames have in common.
+/// State that all chunks of a groom's frames share.
 struct EncodedGroom {
   CodecOptions options;
   GuideGeometry geometry;
-  std::vector<StrandRun> runs;            ///< one chunk each
+  std::vector<StrandRun> runs;            ///< one per chunk
   std::vector<DirectionRows> rests;       ///< per run; empty until they are needed
   std::vector<TangentHistory> histories;  ///< per run; kTemporal only
 };
 
+/// As EncodingReport, of one chunk.
 struct ChunkReport {
   uint64_t strands_sent_finer = 0;
   double worst_error = 0;  ///< m, of the other strands
 };
 
-/// Writes the guides of a run into a chunk. Several of these write chunks of one groom at the same time, no
-/// two of them the same one. Memory is that of the largest chunk.
+/// Encodes the guides of a run into a chunk. Several encoders may work on one groom at the same time, each on
+/// another chunk. Memory: that of the largest chunk.
 class ChunkEncoder {
  public:
-  /// Of a groom that outlives it and whose options stay. Any `coder` writes the same bytes.
+  /// `groom` must outlive it and its options must not change. Every `coder` writes the same bytes.
   ChunkEncoder(EncodedGroom& groom, const StrandCoder& coder);
   /// As GuideEncoder::encode.
   ChunkReport encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
@@ -44,14 +45,14 @@ class ChunkEncoder {
 
   EncodedGroom* groom_;
   float squared_limit_;  // m^2
-  float step_;           // m, of the grid
-  float tangent_step_;   // m
+  float step_;           // m, of the grid of positions
+  float tangent_step_;   // m, of the tangent plane's grid
   StrandCoder coder_;
-  // Of the chunk under way.
+  // Of the current chunk:
   GuideSymbols symbols_;
   std::vector<uint32_t> strand_ends_;  // SymbolPrediction::strand_ends; not of tangents
-  std::vector<uint16_t> exact_;        // strands of the run that are sent as they are
-  float worst_squared_ = 0;            // m^2, of the others
+  std::vector<uint16_t> exact_;        // strands of the run that are sent as float32
+  float worst_squared_ = 0;            // m^2, of the other strands
   SymbolPacker packer_;
   LaneRows rows_;
   std::vector<Vec3> roots_;   // per strand: StrandEncoding::roots

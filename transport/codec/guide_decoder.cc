@@ -8,7 +8,7 @@ namespace strandcast {
 namespace {
 
 bool allFinite(std::span<const Vec3> positions) {
-  // A float32 is not finite when all bits of its exponent are set; in whole words this costs next to nothing.
+  // A float32 is not finite when all bits of its exponent are set; testing whole words costs almost nothing.
   const auto* bytes = reinterpret_cast<const uint8_t*>(positions.data());
   uint32_t any = 0;
   for (size_t i = 0; i < positions.size_bytes(); i += sizeof(uint32_t)) {
@@ -164,7 +164,7 @@ void GuideDecoder::placeRoots(const StrandRun& run, Encoding encoding) {
 }
 
 GuideDecoder::Memory& GuideDecoder::remember(const StrandRun& run) {
-  // Runs of one publisher do not overlap; what claims to be more than the groom is damaged or malicious.
+  // Runs of one publisher do not overlap; more strands than the groom has come from damage or malice.
   const auto old = memories_.find(run.first_strand);
   if (old != memories_.end()) remembered_strands_ -= old->second.strand_count;
   if (remembered_strands_ + run.strand_count > geometry_.roots.size()) {

@@ -10,24 +10,25 @@
 
 namespace strandcast {
 
+/// Outcome of decoding a payload.
 enum class DecodeResult {
   kDone,
   kDamaged,
-  kNoKey  ///< sound as far as can be told, but it builds on a frame that is not the last one here
+  kNoKey  ///< no fault was found, but it builds on a frame that is not the newest decoded here
 };
 
-/// Reads the payloads of chunks. Nothing in a payload is believed: memory and work are bounded by the groom
-/// (whose strands are as long as the longest of those beside them) and by what was received. Chunks that
-/// build on others come in the order in which they were encoded.
+/// Decodes the payloads of chunks. The payload is not trusted: memory and work are bounded by the groom (each
+/// strand counted as long as the longest beside it in the lanes) and by the bytes received. Chunks that build
+/// on others must come in the order in which they were encoded.
 class GuideDecoder {
  public:
-  /// Any `coder` reads the same positions.
+  /// Every `coder` decodes the same positions.
   explicit GuideDecoder(const StrandCoder& coder = strandCoder()) : coder_(coder), unpacker_(coder) {}
-  /// `guides` as an assembler or a checked announcement made them.
+  /// Precondition: an assembler made `guides`, or checkAnnouncement() accepted them.
   void setGroom(const StrandSet& guides);
-  /// World positions of the chunk's vertices into `positions`, finite, as many as the chunk's vertex_count.
-  /// The header is sound: the run lies within the groom and the head's rotation is of unit length.
-  /// `positions` is arbitrary unless it is kDone.
+  /// Writes the world positions (m, finite) of the chunk's vertices to `positions`, which holds
+  /// chunk.vertex_count. Precondition: the header is valid, that is, the run lies within the groom and the
+  /// head's rotation is of unit length. The content of `positions` is unspecified unless the result is kDone.
   DecodeResult decode(const GuideChunk& chunk, std::span<Vec3> positions);
 
  private:
@@ -36,18 +37,18 @@ class GuideDecoder {
     DirectionRows rest;
     TangentHistory history;
   };
-  /// What stands before the symbols of every encoding but kFloat32.
+  /// The part of a payload before its symbols, in every encoding but kFloat32.
   struct Preamble {
     uint8_t mode = 0;
     float step = 0;                            // m
-    std::vector<uint16_t> exact;               // strands of the run that are sent as they are, ascending
+    std::vector<uint16_t> exact;               // strands of the run that are sent as float32, ascending
     std::span<const uint8_t> exact_positions;  // float32
     std::span<const uint8_t> symbols;
   };
   bool readPreamble(const GuideChunk& chunk, const StrandRun& run);
   DecodeResult decodeSymbols(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
   DecodeResult decodeTangents(const GuideChunk& chunk, const StrandRun& run, std::span<Vec3> positions);
-  /// From symbols to positions.
+  /// Converts symbols to positions.
   void placeStrands(const GuideChunk& chunk, const StrandRun& run, const DirectionRows* rest,
                     const TangentHistory* history, std::span<Vec3> positions);
   void placeRoots(const StrandRun& run, Encoding encoding);
@@ -61,10 +62,10 @@ class GuideDecoder {
   GuideSymbols symbols_;
   SymbolUnpacker unpacker_;
   LaneRows rows_;
-  // Of the chunk under way:
+  // Of the current chunk:
   std::vector<Vec3> roots_;  // per strand: StrandDecoding::roots
   DirectionRows directions_;
-  DirectionRows rest_;  // of a run that is not remembered
+  DirectionRows rest_;  // of a run that has no entry in memories_
 };
 
 }  // namespace strandcast

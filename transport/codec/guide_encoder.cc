@@ -16,11 +16,11 @@ int encodingThreads(int asked) {
 
 }  // namespace
 
-/// Threads that encode the chunks of a frame ahead of the one that sends them.
-class GuideEncoder::Crew {
+/// Threads that encode the chunks of a frame ahead of the thread that sends them.
+class GuideEncoder::EncoderPool {
  public:
-  Crew(int threads, EncodedGroom& groom, const StrandCoder& coder) {
-    for (int i = 0; i < 2 * threads; ++i) desks_.push_back({ChunkEncoder(groom, coder)});
+  EncoderPool(int threads, EncodedGroom& groom, const StrandCoder& coder) {
+    for (int i = 0; i < 2 * threads; ++i) slots_.push_back({ChunkEncoder(groom, coder)});
     for (int i = 1; i < threads; ++i) helpers_.emplace_back([this](std::stop_token stop) { help(stop); });
   }
 
@@ -34,13 +34,13 @@ class GuideEncoder::Crew {
     work_.notify_all();
     try {
       while (sent_ < count_) {
-        Desk& desk = deskOf(sent_);
+        Slot& slot = slotOf(sent_);
         if (failure_) std::rethrow_exception(failure_);
-        if (desk.is_ready) {
+        if (slot.is_ready) {
           lock.unlock();
-          send(desk.chunk, desk.report);
+          send(slot.chunk, slot.report);
           lock.lock();
-          desk.is_ready = false;
+          slot.is_ready = false;
           ++sent_;
           work_.notify_one();
         } else if (mayBegin()) {
@@ -53,39 +53,39 @@ class GuideEncoder::Crew {
       if (!lock.owns_lock()) lock.lock();
       count_ = 0;
       ready_.wait(lock, [&] { return under_way_ == 0; });
-      for (Desk& desk : desks_) desk.is_ready = false;
+      for (Slot& slot : slots_) slot.is_ready = false;
       failure_ = nullptr;
       throw;
     }
   }
 
  private:
-  struct Desk {
+  struct Slot {
     ChunkEncoder encoder;
     GuideChunk chunk{};
     ChunkReport report{};
     bool is_ready = false;
   };
 
-  /// Chunks under way are never as many apart as there are desks.
-  Desk& deskOf(uint32_t index) { return desks_[index % desks_.size()]; }
-  bool mayBegin() const { return next_ < count_ && next_ < sent_ + desks_.size(); }
+  /// Chunks in progress span fewer indices than there are slots, so that no two share one.
+  Slot& slotOf(uint32_t index) { return slots_[index % slots_.size()]; }
+  bool mayBegin() const { return next_ < count_ && next_ < sent_ + slots_.size(); }
 
   void encodeNext(std::unique_lock<std::mutex>& lock) {
     const uint32_t index = next_++;
     const GuideFrame& frame = *frame_;
-    Desk& desk = deskOf(index);
+    Slot& slot = slotOf(index);
     ++under_way_;
     lock.unlock();
     std::exception_ptr failure;
     try {
-      desk.report = desk.encoder.encode(frame, index, desk.chunk);
+      slot.report = slot.encoder.encode(frame, index, slot.chunk);
     } catch (...) {
       failure = std::current_exception();
     }
     lock.lock();
     --under_way_;
-    desk.is_ready = true;
+    slot.is_ready = true;
     if (failure) failure_ = failure;
     ready_.notify_one();
   }
@@ -96,13 +96,14 @@ class GuideEncoder::Crew {
   }
 
   std::mutex mutex_;
-  std::condition_variable_any work_;  // may begin
+  std::condition_variable_any work_;  // a chunk may be started
   std::condition_variable ready_;     // a chunk is ready
   const GuideFrame* frame_ = nullptr;
   uint32_t next_ = 0, sent_ = 0, count_ = 0, under_way_ = 0;
   std::exception_ptr failure_;
-  std::vector<Desk> desks_;
-  std::vector<std::jthread> helpers_;  // last: they go before what they use
+  std::vector<Slot> slots_;
+  // Last, so that they are joined before the members that they use are destroyed
+  std::vector<std::jthread> helpers_;
 };
 
 GuideEncoder::GuideEncoder(const CodecOptions& options, const StrandCoder& coder)
@@ -148,8 +149,8 @@ void GuideEncoder::encodeAll(const GuideFrame& frame, const std::function<void(G
     }
     return;
   }
-  if (!crew_) crew_ = std::make_unique<Crew>(threads_, groom_, coder_);
-  crew_->encodeAll(frame, count, [&](GuideChunk& chunk, const ChunkReport& report) {
+  if (!pool_) pool_ = std::make_unique<EncoderPool>(threads_, groom_, coder_);
+  pool_->encodeAll(frame, count, [&](GuideChunk& chunk, const ChunkReport& report) {
     add(frame, chunk, report);
     send(chunk);
   });

@@ -12,30 +12,31 @@
 
 namespace strandcast {
 
-/// What encoder and decoder agree on; the payload itself is described in docs/wire.md.
+/// What encoder and decoder share; docs/wire.md, "Payloads", describes the payload.
 
 inline constexpr size_t kPayloadHeadBytes = 8;
-/// Bits of the first byte of a payload that is not float32.
+/// Bits of the first byte of every payload but float32's.
 enum PayloadMode : uint8_t {
   kAlongStrand = 1,  ///< edges are predicted from the edge before; not in Encoding::kTangent
-  kInBlocks = 2      ///< symbols are blocks of bits (bit_blocks.h), always in Encoding::kTangent; else zstd's
+  kInBlocks = 2      ///< symbols are in blocks of bits (bit_blocks.h), always in Encoding::kTangent; else
+                     ///< compressed with zstd
 };
 
-/// Shorter edges are taken to be as long as this where their direction is written: it is all the same.
+/// Lower bound on the length by which tangent steps are divided; an edge this short has no visible direction.
 inline constexpr float kShortestCodedEdge = 1e-9f;  // m
 
 inline constexpr float kMaxGridStep = 0.01f;  // m
 inline constexpr int32_t kMaxGridIndex =
-    1 << 22;  // so that indices are exact as floats, and nearest() is right
+    1 << 22;  // indices up to this are exact as floats, and within the range of nearest()
 
-/// Nearest point of the grid; clamped to kMaxGridIndex, which NaN becomes too.
+/// Nearest grid index; clamped to +-kMaxGridIndex. NaN becomes an end of that range.
 inline int32_t gridIndex(float position, float step) {
   constexpr auto kMax = static_cast<float>(kMaxGridIndex);
   return nearest(std::min(kMax, std::max(-kMax, position / step)));
 }
 inline float gridPosition(int32_t index, float step) { return static_cast<float>(index) * step; }
 
-/// Between the world and the frame of the head, which guides are encoded in.
+/// Transforms between the world and the frame of the head, in which guides are encoded.
 class HeadFrame {
  public:
   explicit HeadFrame(const Pose& head)
@@ -50,12 +51,12 @@ class HeadFrame {
   Vec3 position_;
 };
 
-/// What both ends know of a groom: its topology, where its roots rest and how long its edges are.
+/// What both ends know of a groom: topology, roots at rest and edge lengths.
 struct GuideGeometry {
   std::vector<uint32_t> offsets;  ///< strands + 1
   std::vector<Vec3> roots;        ///< per strand, m, at rest in the head's frame
   std::vector<float> lengths;     ///< per vertex, m: of the edge that ends there; 0 at a root
-  std::vector<Vec3> directions;   ///< per vertex, unit: of that edge at rest; up where it has no length
+  std::vector<Vec3> directions;  ///< per vertex, unit: of that edge at rest; (0, 1, 0) where it has no length
 
   GuideGeometry() = default;
   explicit GuideGeometry(const StrandSet& guides)
@@ -64,7 +65,7 @@ struct GuideGeometry {
       const std::span<const Vec3> strand = guides.strand(s);
       roots.push_back(strand[0]);
       for (size_t i = 1; i < strand.size(); ++i) {
-        // In this order: predictions must be the same at both ends.
+        // The order of the sum is part of the format: predictions must have the same bits at both ends.
         const Vec3 edge = strand[i] - strand[i - 1];
         const float length = std::sqrt(edge.x() * edge.x() + edge.y() * edge.y() + edge.z() * edge.z());
         lengths[offsets[s] + i] = length;
@@ -77,7 +78,7 @@ struct GuideGeometry {
 inline int edgePlanes(Encoding encoding) { return encoding == Encoding::kDelta16 ? 3 : 2; }
 inline int edgeBits(Encoding encoding) { return encoding == Encoding::kOctahedral12 ? 12 : 16; }
 
-/// Gives `symbols` the lengths that a run has.
+/// Resizes `symbols` for a run.
 inline void shapeSymbols(const StrandRun& run, Encoding encoding, GuideSymbols& symbols) {
   symbols.edge_planes = edgePlanes(encoding);
   symbols.roots.resize(3 * size_t{run.strand_count});

@@ -1,7 +1,7 @@
-// Directions as a point of the octahedron |x| + |y| + |z| = 1, its lower half folded outwards onto the unit
+// Directions as points of the octahedron |x| + |y| + |z| = 1, whose lower half is folded outwards onto the unit
 // square (Meyer et al., On Floating-Point Normal Vectors, EGSR 2010; Cigolle et al., A Survey of Efficient
 // Representations for Independent Unit Vectors, JCGT 2014). Coordinates are whole numbers from 0 to `steps`,
-// 2^bits - 1. In the lane vocabulary of kernels/README.md; nothing is fused.
+// which is 2^bits - 1. In the lane vocabulary of kernels/README.md, without fused operations.
 
 struct OctahedralPoint {
   real u, v;
@@ -11,8 +11,8 @@ FN real octahedralFold(real across, real along) {
   return (lit(1) - abs(across)) * select(along >= lit(0), lit(1), lit(-1));
 }
 
-/// How far the direction turns when the point moves by (du, dv), squared and to first order: what is left of
-/// the movement on the octahedron without its part along the direction.
+/// Metric of the squared angle, to first order, by which the direction turns when the point moves by (du, dv): the
+/// movement on the octahedron without its component along the direction.
 struct OctahedralMetric {
   real uu, uv, vv;
 };
@@ -20,8 +20,8 @@ FN real turnOf(const OctahedralMetric& metric, real du, real dv) {
   return metric.uu * du * du + lit(2) * metric.uv * du * dv + metric.vv * dv * dv;
 }
 
-/// Of a direction of any length but 0: the point whose direction is nearest. Rounding each coordinate by
-/// itself would err by half as much again where the octahedron's faces are steepest to its axes.
+/// The grid point whose direction is nearest to a direction of any length above 0. Rounding each coordinate alone
+/// would increase the largest error by half, where the octahedron's faces are steepest to its axes.
 FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
   const real3 p = direction * (lit(1) / (abs(direction.x) + abs(direction.y) + abs(direction.z)));
   const real sign_x = select(p.x >= lit(0), lit(1), lit(-1)), sign_y = select(p.y >= lit(0), lit(1), lit(-1));
@@ -35,7 +35,8 @@ FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
   real other_u = u - select(off_u < lit(0), lit(-1), lit(1)), other_v = v - select(off_v < lit(0), lit(-1), lit(1));
   other_u = select(other_u < lit(0) || other_u > steps, u, other_u);
   other_v = select(other_v < lit(0) || other_v > steps, v, other_v);
-  // The axes are (1, 0, -sign_x) and (0, 1, -sign_y) above; below (0, turned, -sign_x), (turned, 0, -sign_y).
+  // Tangents along u and v: above (1, 0, -sign_x) and (0, 1, -sign_y); below (0, turned, -sign_x) and (turned, 0,
+  // -sign_y).
   const real across = sign_x * sign_y, turned = lit(0) - across;
   const real radial_u = select(below, turned * p.y, p.x) - sign_x * p.z;
   const real radial_v = select(below, turned * p.x, p.y) - sign_y * p.z;
@@ -55,7 +56,7 @@ FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
   return best;
 }
 
-/// Of unit length.
+/// The direction of a point, unit.
 FN real3 fromOctahedral(const OctahedralPoint& point, real steps) {
   const real step = lit(2) / steps;
   const real x = point.u * step - lit(1), y = point.v * step - lit(1);

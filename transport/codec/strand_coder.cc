@@ -80,10 +80,10 @@ HWY_EXPORT(coder);
 
 std::vector<StrandCoder> runnableStrandCoders() {
   std::vector<StrandCoder> out;
-  // HWY_TARGETS is what was compiled. Lower bits are better.
+  // HWY_TARGETS are the targets compiled. Lower bits are better ones.
   for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
     const int64_t target = left & -left;
-    hwy::ChosenTarget chosen;  // of its own: the process-wide choice stays as it is
+    hwy::ChosenTarget chosen;  // a local one: the process-wide choice is unchanged
     chosen.Update(target);
     out.push_back(codec::HWY_DISPATCH_TABLE(coder)[chosen.GetIndex()]());
     out.back().name = hwy::TargetName(target);

@@ -10,43 +10,45 @@
 
 namespace strandcast {
 
-/// What encoders and decoders do along strands, as many strands side by side as the machine's vectors have
-/// lanes. Compiled once per instruction set; all give the same bits, because they are sums, products,
-/// quotients and square roots of float32, none of them fused.
+/// The inner loops of encoders and decoders along strands, one strand per lane. Compiled once per instruction
+/// set. All instruction sets give the same bits: the operations are float32 sums, products, quotients and
+/// square roots, none of them fused.
 
-/// Rows of lanes that a coder works in, kept for the next chunk: its memory is that of the longest strand,
-/// once per lane.
+/// Scratch rows of lanes, reused from chunk to chunk. Memory: the longest strand times the number of lanes.
 struct LaneRows {
   std::vector<float> numbers;
   std::vector<uint16_t> symbols;
 };
 
+/// Arguments of an encoder: a run of strands of one frame.
 struct StrandEncoding {
   const GuideGeometry& geometry;
   const StrandRun& run;
   const HeadFrame& head;
-  const Vec3* positions;  ///< per vertex of the run, world, m; may be not finite
-  const Vec3*
-      roots;   ///< per strand of the run, as it is decoded: head's frame, m; delta16: in steps of the grid
-  float step;  ///< m; not of octahedral
-  float squared_limit;                      ///< m^2
-  int bits = 16;                            ///< octahedral: 12 or 16
-  const DirectionRows* rest = nullptr;      ///< tangents: as rest_directions() has them
-  const TangentHistory* history = nullptr;  ///< tangents: what this frame builds on in place of it, or null
-  uint16_t* edges;                          ///< out: the planes of GuideSymbols::edges
-  DirectionRows* directions = nullptr;      ///< tangents, out; may be null
-  /// Per strand of the run, in and out: m^2, how far off it is; infinite where its symbols do not hold it.
+  const Vec3* positions;  ///< per vertex of the run, world, m; may be non-finite
+  const Vec3* roots;    ///< per strand of the run, as decoded: head's frame, m; delta16: in steps of the grid
+  float step;           ///< m; unused by octahedral
+  float squared_limit;  ///< m^2
+  int bits = 16;        ///< octahedral: 12 or 16
+  const DirectionRows* rest = nullptr;  ///< tangents: as rest_directions() writes them
+  /// Tangents: directions in the frame that this one builds on; null to build on `rest`.
+  const TangentHistory* history = nullptr;
+  uint16_t* edges;                      ///< out: the planes of GuideSymbols::edges
+  DirectionRows* directions = nullptr;  ///< tangents, out: decoded directions; may be null
+  /// In and out, per strand of the run: largest squared error, m^2; infinite where the symbols cannot
+  /// represent the strand.
   float* worst;
 };
 
+/// Arguments of a decoder: the symbols of a run of strands.
 struct StrandDecoding {
   const GuideGeometry& geometry;
   const StrandRun& run;
   const HeadFrame& head;
-  const Vec3* roots;  ///< as above
-  float step;         ///< m; not of octahedral
+  const Vec3* roots;  ///< as in StrandEncoding
+  float step;         ///< m; unused by octahedral
   int bits = 16;
-  bool along_strand = false;  ///< not of tangents: symbols are differences to the edge before
+  bool along_strand = false;  ///< unused by tangents: symbols are residuals to the edge before
   const DirectionRows* rest = nullptr;
   const TangentHistory* history = nullptr;
   const uint16_t* edges;                ///< the planes of GuideSymbols::edges
@@ -54,32 +56,35 @@ struct StrandDecoding {
   Vec3* positions;                      ///< out: per vertex of the run, world, m
 };
 
+/// The functions of one instruction set. Each decoder inverts the encoder of its encoding.
 struct StrandCoder {
-  std::string name;  ///< of the instruction set, as Highway calls it
+  std::string name;  ///< of the instruction set, as Highway names it
   void (*encode_delta)(const StrandEncoding& job, LaneRows& rows) = nullptr;
   void (*encode_octahedral)(const StrandEncoding& job, LaneRows& rows) = nullptr;
   void (*encode_tangents)(const StrandEncoding& job, LaneRows& rows) = nullptr;
   void (*decode_delta)(const StrandDecoding& job, LaneRows& rows) = nullptr;
   void (*decode_octahedral)(const StrandDecoding& job, LaneRows& rows) = nullptr;
   void (*decode_tangents)(const StrandDecoding& job, LaneRows& rows) = nullptr;
-  /// The directions of GuideGeometry.
+  /// Writes GuideGeometry::directions of a run as DirectionRows.
   void (*rest_directions)(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) = nullptr;
-  /// Blocks of bits (bit_blocks.h) into room of mostPackedBytes(); where they end.
+  /// Packs blocks of bits (bit_blocks.h). `to` must have mostPackedBytes() bytes; returns the end of the
+  /// packed bytes.
   uint8_t* (*pack)(std::span<const uint16_t> numbers, uint8_t* to) = nullptr;
-  /// As many numbers as there is room for, off the front of `bytes`. False where these end before; both are
-  /// arbitrary then.
+  /// Unpacks numbers.size() numbers and removes their bytes from the front of `bytes`. False where `bytes`
+  /// ends early; the contents of both are unspecified then.
   bool (*unpack)(std::span<const uint8_t>& bytes, std::span<uint16_t> numbers) = nullptr;
-  /// Each symbol, `along` less the one before it (0 before the first): signed numbers of so many bits.
+  /// Residuals: each symbol minus the one before it if `along` (0 before the first), as signed numbers of
+  /// `bits` bits.
   void (*subtract)(const uint16_t* symbols, size_t count, bool along, int bits,
                    uint16_t* residuals) = nullptr;
-  /// Low and high bytes of signed numbers that are folded to small ones (zigzag).
+  /// Low and high bytes of zigzag(residual).
   void (*fold)(const uint16_t* residuals, size_t count, uint8_t* low, uint8_t* high) = nullptr;
   void (*unfold)(const uint8_t* low, const uint8_t* high, size_t count, uint16_t* symbols) = nullptr;
 };
 
-/// Of the best instruction set of this machine.
+/// The coder of the best instruction set of this machine.
 const StrandCoder& strandCoder();
-/// All that this program was compiled for and the machine can run, best first.
+/// The coders of all instruction sets that this program was compiled for and the machine can run, best first.
 std::vector<StrandCoder> runnableStrandCoders();
 
 }  // namespace strandcast

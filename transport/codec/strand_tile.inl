@@ -1,12 +1,12 @@
-// A strand per lane: what coders go along. Included inside a target's namespace behind kernels/lanes_highway.inl.
+// Tiles: strands side by side, one per lane. Included inside a target's namespace after kernels/lanes_highway.inl.
 
-/// Some strands of a run side by side.
+/// As many strands of a run as there are lanes.
 struct Tile {
-  uint32_t first = 0;                    ///< the first strand's number in the run
-  size_t rows = 0;                       ///< vertices of the longest
+  uint32_t first = 0;                    ///< index of the first strand in the run
+  size_t rows = 0;                       ///< vertices of the longest strand
   std::array<size_t, kLanes> counts{};   ///< vertices of each strand; 0 in lanes beyond the run
-  std::array<size_t, kLanes> vertices{};  ///< where each strand begins in the run
-  size_t lanes = 0;                       ///< that have a strand
+  std::array<size_t, kLanes> vertices{};  ///< first vertex of each strand, in the run
+  size_t lanes = 0;                       ///< lanes that have a strand
 
   Tile(const GuideGeometry& geometry, const StrandRun& run, uint32_t first_strand) : first(first_strand) {
     for (size_t l = 0; l < kLanes; ++l) {
@@ -19,7 +19,7 @@ struct Tile {
       ++lanes;
     }
   }
-  /// Of a strand's first edge, in the run.
+  /// Index of a strand's first edge in the run.
   size_t edge(size_t lane) const { return vertices[lane] - (first + lane); }
 };
 
@@ -27,7 +27,7 @@ constexpr size_t kRow = static_cast<size_t>(kLanes);
 
 HWY_INLINE real row(const float* rows, size_t i) { return {hn::LoadU(Tag(), rows + i * kRow)}; }
 HWY_INLINE void setRow(float* rows, size_t i, real value) { hn::StoreU(value.v, Tag(), rows + i * kRow); }
-/// Three rows per vertex.
+/// Three rows per vertex: x, y, z.
 HWY_INLINE real3 row3(const float* rows, size_t i) {
   return makeReal3(row(rows, 3 * i), row(rows, 3 * i + 1), row(rows, 3 * i + 2));
 }
@@ -37,10 +37,10 @@ HWY_INLINE void setRow3(float* rows, size_t i, const real3& value) {
   setRow(rows, 3 * i + 2, value.z);
 }
 
-// Numbers of 32 bits, of whatever kind, become rows of lanes by transposing 4 x 4 of them in every 128 bits of a vector.
+// 32-bit numbers of any kind become rows of lanes by 4 x 4 transposes in every 128 bits of a vector.
 
 #if HWY_TARGET != HWY_SCALAR
-/// Four numbers of every fourth strand.
+/// Loads four numbers of every fourth strand.
 template <class D>
 HWY_INLINE hn::Vec<D> loadQuads(D d, const float* const* strands, size_t at) {
   if constexpr (hn::MaxLanes(D()) <= 4) {
@@ -74,7 +74,7 @@ HWY_INLINE void transposeQuads(real (&r)[4]) {
 }
 #endif
 
-/// Where each lane's numbers are, and how many; `least` of the lanes that there are.
+/// Source or target of each lane's numbers, with their count; `least` is the smallest count of all lanes.
 template <class Pointer>
 struct Streams {
   std::array<Pointer, kLanes> at{};
@@ -87,8 +87,8 @@ struct Streams {
   }
 };
 
-/// `count` numbers of each lane down the rows.
-HWY_INLINE void pour(Streams<const float*>& streams, float* rows) {
+/// Transposes each lane's numbers into rows.
+HWY_INLINE void transposeIn(Streams<const float*>& streams, float* rows) {
   size_t done = 0;
 #if HWY_TARGET != HWY_SCALAR
   for (size_t l = streams.lanes; l < kRow; ++l) streams.at[l] = streams.at[0];
@@ -104,7 +104,7 @@ HWY_INLINE void pour(Streams<const float*>& streams, float* rows) {
       std::memcpy(rows + i * kRow + l, streams.at[l] + i, sizeof(float));
   }
 }
-/// And back.
+/// The inverse of transposeIn().
 HWY_INLINE void draw(const float* rows, const Streams<float*>& streams) {
   size_t done = 0;
 #if HWY_TARGET != HWY_SCALAR
@@ -121,7 +121,7 @@ HWY_INLINE void draw(const float* rows, const Streams<float*>& streams) {
   }
 }
 
-/// Which lanes have a vertex i.
+/// Mask of the lanes whose strand has a vertex i.
 struct Lengths {
   real counts;
   explicit Lengths(const Tile& tile) {
@@ -132,7 +132,7 @@ struct Lengths {
   HWY_INLINE mask has(size_t i) const { return lit(static_cast<double>(i)) < counts; }
 };
 
-/// One vector per strand.
+/// Gathers one vector per strand.
 HWY_INLINE real3 perStrand(const Tile& tile, const Vec3* values) {
   std::array<float, 3 * kRow> numbers{};
   for (size_t l = 0; l < kRow; ++l) {
@@ -142,7 +142,7 @@ HWY_INLINE real3 perStrand(const Tile& tile, const Vec3* values) {
   return row3(numbers.data(), 0);
 }
 
-/// HeadFrame in lanes, with the sums in the order that Eigen takes them.
+/// HeadFrame in lanes, with sums in the order of Eigen's, so that both give the same bits.
 struct LaneFrame {
   real m[3][3];
   real3 position;
@@ -164,12 +164,12 @@ struct LaneFrame {
   }
 };
 
-/// How far strands are off, as they are followed.
-struct Judgement {
+/// Accumulates the largest squared error of each strand, vertex after vertex.
+struct ErrorTracker {
   const LaneFrame& frame;
   real limit, worst;
   mask is_lost;
-  Judgement(const LaneFrame& of, float squared_limit, const Tile& tile, const float* before)
+  ErrorTracker(const LaneFrame& of, float squared_limit, const Tile& tile, const float* before)
       : frame(of), limit(lit(squared_limit)), is_lost(lit(1) < lit(0)) {
     std::array<float, kRow> numbers{};
     for (size_t l = 0; l < kRow; ++l)
@@ -180,7 +180,7 @@ struct Judgement {
     const real3 off = frame.toWorld(decoded) - wanted;
     const real error = off.x * off.x + (off.y * off.y + off.z * off.z);
     worst = select(is_there && worst < error, error, worst);
-    is_lost = is_lost || (is_there && !(error <= limit));  // also where it is not a number
+    is_lost = is_lost || (is_there && !(error <= limit));  // true for NaN too
   }
   void write(const Tile& tile, float* to) const {
     std::array<float, kRow> numbers;
@@ -196,7 +196,7 @@ using SymbolTag = hn::Rebind<uint16_t, WordTag>;
 HWY_INLINE Words symbolRow(const uint16_t* rows, size_t i) {
   return hn::PromoteTo(WordTag(), hn::LoadU(SymbolTag(), rows + i * kRow));
 }
-/// Of whole numbers from -32768 to 65535, modulo 2^16.
+/// Stores whole numbers from -32768 to 65535 modulo 2^16.
 HWY_INLINE void setSymbolRow(uint16_t* rows, size_t i, real value) {
   const Words low = hn::And(hn::ConvertTo(WordTag(), value.v), hn::Set(WordTag(), 0xffff));
   hn::StoreU(hn::DemoteTo(SymbolTag(), low), SymbolTag(), rows + i * kRow);
@@ -204,7 +204,7 @@ HWY_INLINE void setSymbolRow(uint16_t* rows, size_t i, real value) {
 HWY_INLINE Words signedOf(Words symbols) { return hn::ShiftRight<16>(hn::ShiftLeft<16>(symbols)); }
 HWY_INLINE real realOf(Words whole) { return {hn::ConvertTo(Tag(), whole)}; }
 
-// Two symbols as one number of 32 bits, the first one lower.
+// Two 16-bit symbols in one 32-bit number, the first in the low half.
 HWY_INLINE void setPairRow(float* rows, size_t i, real first, real second) {
   const Words low = hn::And(hn::ConvertTo(WordTag(), first.v), hn::Set(WordTag(), 0xffff));
   const Words high = hn::ShiftLeft<16>(hn::ConvertTo(WordTag(), second.v));

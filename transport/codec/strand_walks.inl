@@ -1,6 +1,6 @@
-// The coders, tile after tile: what docs/wire.md says of each encoding. Included behind strand_tile.inl.
+// The encoders and decoders of docs/wire.md, "Payloads", tile after tile. Included after strand_tile.inl.
 
-/// Planes of rows for the tiles of a run.
+/// Scratch planes for the tiles of a run.
 struct Rows {
   size_t plane = 0, symbol_plane = 0;
   float* numbers = nullptr;
@@ -11,7 +11,7 @@ struct Rows {
     for (uint32_t s = run.first_strand; s < run.first_strand + run.strand_count; ++s)
       most = std::max<size_t>(most, geometry.offsets[s + 1] - geometry.offsets[s]);
     plane = symbol_plane = most * kRow;
-    // Lanes whose strand has ended compute with what is left there, and nobody looks at it.
+    // Lanes whose strand has ended compute with stale values; their results are not used.
     if (rows.numbers.size() < planes * plane) rows.numbers.resize(planes * plane);
     if (rows.symbols.size() < symbol_planes * plane) rows.symbols.resize(symbol_planes * plane);
     numbers = rows.numbers.data();
@@ -23,7 +23,7 @@ template <class Work>
 HWY_INLINE void forTiles(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
   for (uint32_t s = 0; s < run.strand_count; s += kRow) work(Tile(geometry, run, s));
 }
-/// Calls work(tile, directions), where the tile's rows of a DirectionRows begin; vertex i has row i - 1.
+/// Calls work(tile, begin); begin is the tile's offset in a DirectionRows, where vertex i has row i - 1.
 template <class Work>
 HWY_INLINE void forDirections(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
   size_t begin = 0;
@@ -40,24 +40,24 @@ void shapeDirections(const GuideGeometry& geometry, const StrandRun& run, Direct
 
 size_t edgesOf(const StrandRun& run) { return run.vertex_count - run.strand_count; }
 
-/// The world positions of a tile into three rows per vertex.
+/// Transposes the world positions of a tile into three rows per vertex.
 HWY_INLINE void pourPositions(const Tile& tile, const Vec3* positions, float* rows) {
   Streams<const float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l) streams.add(positions[tile.vertices[l]].data(), 3 * tile.counts[l]);
-  pour(streams, rows);
+  transposeIn(streams, rows);
 }
 HWY_INLINE void drawPositions(const Tile& tile, const float* rows, Vec3* positions) {
   Streams<float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l) streams.add(positions[tile.vertices[l]].data(), 3 * tile.counts[l]);
   draw(rows, streams);
 }
-/// What belongs to the edge that ends at vertex i, in its row: row 0 has nothing.
+/// Row i holds the length of the edge that ends at vertex i; row 0 holds no edge.
 HWY_INLINE void pourLengths(const Tile& tile, const GuideGeometry& geometry, const StrandRun& run,
                             float* rows) {
   Streams<const float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l)
     streams.add(&geometry.lengths[run.first_vertex + tile.vertices[l]], tile.counts[l]);
-  pour(streams, rows);
+  transposeIn(streams, rows);
 }
 HWY_INLINE void pourEdges(const Tile& tile, const uint16_t* edges, uint16_t* rows) {
   for (size_t l = 0; l < kRow; ++l)
@@ -67,12 +67,12 @@ HWY_INLINE void drawEdges(const Tile& tile, const uint16_t* rows, uint16_t* edge
   for (size_t l = 0; l < kRow; ++l)
     if (tile.counts[l] > 1) drawSymbols(rows + kRow + l, tile.counts[l] - 1, edges + tile.edge(l));
 }
-/// The same of pairs of symbols.
+/// As pourEdges() and drawEdges(), for pairs of symbols.
 HWY_INLINE void pourPairs(const Tile& tile, const uint16_t* edges, float* rows) {
   Streams<const float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l)
     streams.add(reinterpret_cast<const float*>(edges + 2 * tile.edge(l)), tile.counts[l] - 1);
-  pour(streams, rows + kRow);
+  transposeIn(streams, rows + kRow);
 }
 HWY_INLINE void drawPairs(const Tile& tile, const float* rows, uint16_t* edges) {
   Streams<float*> streams;
@@ -91,7 +91,7 @@ void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
   forTiles(job.geometry, job.run, [&](const Tile& tile) {
     pourPositions(tile, job.positions, rows.numbers);
     const Lengths lengths(tile);
-    Judgement judgement(frame, job.squared_limit, tile, job.worst);
+    ErrorTracker judgement(frame, job.squared_limit, tile, job.worst);
     real3 before = perStrand(tile, job.roots);
     for (size_t i = 1; i < tile.rows; ++i) {
       const real3 wanted = row3(rows.numbers, i), local = frame.toHead(wanted);
@@ -113,7 +113,7 @@ void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
   });
 }
 
-/// The symbols of one plane, along the strand.
+/// The decoded symbols of one plane, vertex after vertex.
 struct Symbols {
   const uint16_t* rows;
   bool along;
@@ -155,7 +155,7 @@ void decodeDelta(const StrandDecoding& job, LaneRows& lane_rows) {
 
 // ---- octahedral
 
-constexpr double kMaxSquaredEdge = 1e12;  // m^2, beyond any hair
+constexpr double kMaxSquaredEdge = 1e12;  // m^2, longer than any hair
 
 void encodeOctahedral(const StrandEncoding& job, LaneRows& lane_rows) {
   const Rows rows(lane_rows, job.geometry, job.run, 4, 2);
@@ -167,13 +167,13 @@ void encodeOctahedral(const StrandEncoding& job, LaneRows& lane_rows) {
     pourPositions(tile, job.positions, rows.numbers);
     pourLengths(tile, job.geometry, job.run, length_rows);
     const Lengths lengths(tile);
-    Judgement judgement(frame, job.squared_limit, tile, job.worst);
+    ErrorTracker judgement(frame, job.squared_limit, tile, job.worst);
     real3 before = perStrand(tile, job.roots);
     for (size_t i = 1; i < tile.rows; ++i) {
-      // Aimed from where the receiver has the vertex before: errors do not add up.
+      // Aimed from the decoded vertex before, so that errors do not accumulate.
       const real3 wanted = row3(rows.numbers, i), edge = frame.toHead(wanted) - before;
       const real squared = edge.x * edge.x + (edge.y * edge.y + edge.z * edge.z);
-      const mask has_direction = squared > lit(0) && squared < lit(kMaxSquaredEdge);  // not where it is no number
+      const mask has_direction = squared > lit(0) && squared < lit(kMaxSquaredEdge);  // false for NaN
       const OctahedralPoint nearest = toOctahedral(edge, steps);
       const OctahedralPoint point{select(has_direction, nearest.u, lit(0)),
                                   select(has_direction, nearest.v, lit(0))};
@@ -221,11 +221,11 @@ void restDirections(const GuideGeometry& geometry, const StrandRun& run, Directi
       const Vec3* const first = geometry.directions.data() + run.first_vertex + tile.vertices[l] + 1;
       streams.add(reinterpret_cast<const float*>(first), 3 * (tile.counts[l] - 1));
     }
-    pour(streams, rows.data() + begin);
+    transposeIn(streams, rows.data() + begin);
   });
 }
 
-/// Predicts the edges of a tile from their references.
+/// Predicts the edges of a tile from their references: docs/wire.md, "Encoding 5, tangent".
 class Predictor {
  public:
   HWY_INLINE Predictor(const DirectionRows& rest, const TangentHistory* history, size_t begin)
@@ -238,7 +238,7 @@ class Predictor {
     reference_ = reference;
     return predicted;
   }
-  /// What became of the edge that was predicted.
+  /// Records the decoded direction of the edge that was predicted.
   HWY_INLINE void learn(const real3& direction) { direction_ = direction; }
 
  private:
@@ -260,7 +260,7 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
     Predictor predictor(*job.rest, job.history, begin);
     float* const directions = job.directions ? job.directions->data() + begin : nullptr;
     const Lengths lengths(tile);
-    Judgement judgement(frame, job.squared_limit, tile, job.worst);
+    ErrorTracker judgement(frame, job.squared_limit, tile, job.worst);
     real3 at = perStrand(tile, job.roots);
     for (size_t i = 1; i < tile.rows; ++i) {
       const real3 wanted = row3(rows.numbers, i), way = frame.toHead(wanted) - at;
@@ -270,7 +270,7 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
       const real length = row(length_rows, i), long_enough = atLeast(length, kShortestCodedEdge);
       const real ahead = plainDot(way, predicted), scale = long_enough / (ahead * step);
       const real u = plainDot(way, axis_u) * scale, v = plainDot(way, axis_v) * scale;
-      // Where it does not hold, as for numbers that are none, the strand is found to be off and sent as it is.
+      // Where no symbols fit (NaN included), the error is too large and the strand is sent as float32.
       const mask holds =
           ahead > lit(0.05f) * long_enough && abs(u) < lit(32767) && abs(v) < lit(32767);
       const real whole_u = nearestWhole(select(holds, u, lit(0))), whole_v = nearestWhole(select(holds, v, lit(0)));

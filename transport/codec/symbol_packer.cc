@@ -9,8 +9,8 @@
 namespace strandcast {
 namespace {
 
-/// Higher ones take several times as long for a few percent. Hardly anything repeats itself in residuals, so
-/// that looking for it is little worth: only long matches, in a small table.
+/// Higher levels take several times as long for a few percent. Residuals rarely repeat, so that searching for
+/// matches gains little: only long ones, in a small table.
 constexpr int kLevel = 1, kShortestMatch = 7, kTableLog = 8;
 
 /// Bits of the residuals of some edges of a strand.
@@ -25,7 +25,7 @@ uint64_t bitsOf(std::span<const uint16_t> edges, bool along, int bits) {
   return sum;
 }
 
-/// A section's length in front of it.
+/// Writes the length that precedes a section.
 void putLength(size_t length, uint8_t* to) {
   const auto value = static_cast<uint32_t>(length);
   std::memcpy(to, &value, sizeof value);
@@ -35,7 +35,7 @@ void putLength(size_t length, uint8_t* to) {
 
 SymbolPacker::SymbolPacker(const StrandCoder& coder)
     : pack_(coder.pack), subtract_(coder.subtract), fold_(coder.fold), context_(ZSTD_createCCtx()) {
-  // The receiver knows what comes out.
+  // The content size is not stored: the receiver knows it.
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kLevel);
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_minMatch, kShortestMatch);
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_hashLog, kTableLog);
@@ -43,7 +43,7 @@ SymbolPacker::SymbolPacker(const StrandCoder& coder)
 }
 
 bool SymbolPacker::prefersAlongStrand(const GuideSymbols& symbols, const SymbolPrediction& prediction) {
-  // A few strands of one plane tell as much as all of them.
+  // Every 16th strand is a sufficient sample.
   constexpr size_t kSampleEvery = 16;
   const size_t count = symbols.edges.size() / static_cast<size_t>(symbols.edge_planes);
   uint64_t bits[2] = {};
@@ -69,7 +69,7 @@ std::span<const uint16_t> SymbolPacker::residualsOf(const GuideSymbols& symbols,
     uint16_t* const residuals = residuals_.data() + at;
     subtract_(plane, count, prediction.along_strand, bits, residuals);
     if (!prediction.along_strand) continue;
-    // A strand's first edge has none before it.
+    // The first edge of a strand has no predecessor.
     for (const uint32_t first : prediction.strand_ends)
       if (first < count) subtract_(plane + first, 1, false, bits, residuals + first);
   }
@@ -119,7 +119,7 @@ bool SymbolUnpacker::decompress(std::span<const uint8_t> bytes, GuideSymbols& sy
     bytes = bytes.subspan(sizeof length);
     if (length > bytes.size()) return false;
     plane->resize(count);
-    // Never writes more than there is room for; an error code is larger than any count.
+    // Never writes beyond the capacity; error codes exceed any count.
     if (ZSTD_decompressDCtx(context_.get(), plane->data(), count, bytes.data(), length) != count)
       return false;
     bytes = bytes.subspan(length);

@@ -12,21 +12,21 @@
 
 namespace strandcast {
 
-/// Symbols as blocks of bits; or two sections, low and high bytes, compressed with zstd, behind their
-/// lengths.
+/// Packs symbols either as blocks of bits, or as two sections (low bytes, high bytes), each compressed with
+/// zstd and preceded by its length.
 class SymbolPacker {
  public:
   explicit SymbolPacker(const StrandCoder& coder);
-  /// Whether predicting edges from the edge before costs fewer bits, by a sample; whatever `prediction` says
-  /// of it.
+  /// Whether prediction from the edge before costs fewer bits, estimated from a sample. Ignores
+  /// prediction.along_strand.
   static bool prefersAlongStrand(const GuideSymbols& symbols, const SymbolPrediction& prediction);
-  /// Both append to `bytes`; they allocate only while memory grows.
+  /// Both append to `bytes`; they allocate only while capacities grow.
   void packInBlocks(const GuideSymbols& symbols, const SymbolPrediction& prediction,
                     std::vector<uint8_t>& bytes);
   void compress(const GuideSymbols& symbols, const SymbolPrediction& prediction, std::vector<uint8_t>& bytes);
 
  private:
-  /// Of edges; what `symbols` has, or residuals_.
+  /// Residuals of the edges: a view of `symbols` or of residuals_.
   std::span<const uint16_t> residualsOf(const GuideSymbols& symbols, const SymbolPrediction& prediction);
   struct Free {
     void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
@@ -39,12 +39,13 @@ class SymbolPacker {
   std::vector<uint8_t> low_, high_;
 };
 
+/// Inverse of SymbolPacker, for bytes that are not trusted.
 class SymbolUnpacker {
  public:
   explicit SymbolUnpacker(const StrandCoder& coder);
-  /// Both read into `symbols`, whose planes have the lengths that are expected; edges as residuals, before
-  /// they are added up along the strand. False on bytes that are damaged, or hold more or fewer symbols than
-  /// that; `symbols` is arbitrary then.
+  /// Both read into `symbols`, whose planes must have the expected lengths. Edges are residuals, not yet
+  /// summed along the strand. False on damaged bytes, or on more or fewer symbols than expected; the content
+  /// of `symbols` is unspecified then.
   bool unpackBlocks(std::span<const uint8_t> bytes, GuideSymbols& symbols) const;
   bool decompress(std::span<const uint8_t> bytes, GuideSymbols& symbols);
 

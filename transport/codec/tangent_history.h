@@ -4,20 +4,21 @@
 
 namespace strandcast {
 
-/// Directions of a run's edges, unit, in the head's frame, as a StrandCoder goes along them: tile after tile,
-/// edge after edge, x y z, a strand per lane.
+/// Directions of a run's edges, unit vectors in the head's frame, in the order of StrandCoder: tile after
+/// tile, edge after edge, x y z, one strand per lane.
 using DirectionRows = std::vector<float>;
 
-/// What both ends remember of a run for the frame that builds on it.
+/// What encoder and decoder keep of a run for the frame that builds on it.
 class TangentHistory {
  public:
-  uint64_t frame = 0;  ///< 0 = nothing
-  DirectionRows last;  ///< of `frame`
+  uint64_t frame = 0;  ///< 0 = none
+  DirectionRows last;  ///< directions in `frame`
 
-  /// Of the frame that it built on; of itself where it stood alone: no motion yet.
+  /// Directions in the frame that `frame` built on; equal to `last` (no motion) where `frame` was a key
+  /// frame.
   const DirectionRows& before() const { return stood_alone_ ? last : before_; }
 
-  /// What was written of a frame; exchanges the arrays.
+  /// Records the directions of a frame; swaps the arrays.
   void accept(uint64_t of_frame, bool stands_alone, DirectionRows& directions) {
     frame = of_frame;
     stood_alone_ = stands_alone;

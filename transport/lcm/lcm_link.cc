@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::string_view kMulticast = "udpm://";
 constexpr const char* kReceiveBuffer =
-    "recv_buf_size=4194304";  // with the default, bursts of a frame are lost
-/// Messages of a channel that may wait for the drain thread: frames of two million vertices.
+    "recv_buf_size=4194304";  // bytes; with the default, bursts of a frame are lost
+/// Messages of a channel that may wait for the drain thread: enough for frames of two million vertices.
 constexpr int kQueued = 1024;
 constexpr int kPollMs = 50;
 
@@ -26,9 +26,9 @@ std::string completed(const std::string& url) {
   return url + (url.find('?') == std::string::npos ? "?" : "&") + kReceiveBuffer;
 }
 
-/// LCM 1.3.1 takes any text for an address, and port 0.
+/// LCM 1.3.1 accepts any text as an address, and port 0.
 void checkMulticast(const std::string& url, const std::string& place) {
-  if (place.empty()) return;  // LCM's own
+  if (place.empty()) return;  // LCM's default
   const size_t colon = place.find(':');
   const std::string address = place.substr(0, colon);
   in_addr parsed{};
@@ -90,7 +90,7 @@ void LcmLink::send(const std::string& channel, std::span<const uint8_t> message)
   errno = 0;
   const int result =
       lcm_publish(lcm_, channel.c_str(), message.data(), static_cast<unsigned>(message.size()));
-  // What a network does not take is lost, as on its way. LCM 1.3.1 gives 0 where it cannot write a log, too.
+  // A message that the network refuses counts as lost. LCM 1.3.1 returns 0 even where it cannot write a log.
   const int cause = errno;
   if (!isWrittenLog(url_) || (result == 0 && cause == 0)) return;
   const std::lock_guard lock(mutex_);
@@ -107,7 +107,7 @@ std::string LcmLink::failure() const {
 }
 
 void LcmLink::drain() {
-  // Below 0: a log file has ended.
+  // Below 0: the log file has ended.
   while (!stop_ && lcm_handle_timeout(lcm_, kPollMs) >= 0) {
   }
 }

@@ -12,14 +12,15 @@
 
 namespace strandcast {
 
-/// An LCM instance with a thread that drains it: LCM's own queue then never grows old behind slow work.
+/// An LCM instance with a thread that drains it, so that messages do not wait in LCM's own queue behind slow
+/// work.
 class LcmLink final : public MessageLink {
  public:
   /// Throws Error.
   explicit LcmLink(const std::string& url);
   ~LcmLink() override;
   std::vector<Listening> listen(std::vector<Channel> channels) override;
-  /// What a log does not take is an error, and said once.
+  /// A message that a log file does not accept is an error, logged once.
   void send(const std::string& channel, std::span<const uint8_t> message) override;
   std::string failure() const override;
 
@@ -27,11 +28,11 @@ class LcmLink final : public MessageLink {
   void drain();
   const std::string url_;
   lcm_t* lcm_ = nullptr;
-  mutable std::mutex mutex_;  // of ears_ and failure_
+  mutable std::mutex mutex_;  // guards ears_ and failure_
   std::vector<std::shared_ptr<Ear>> ears_;
   std::string failure_;
   std::atomic<bool> stop_{false};
-  std::thread drain_;  // from the first listen() on
+  std::thread drain_;  // started by the first listen()
 };
 
 }  // namespace strandcast

@@ -20,7 +20,7 @@ void messageFields(Stream& s, auto& m, std::type_identity<ReaderSign>) {
   s.flag(m.wants_groom);
 }
 
-/// lcm-gen computes it from the schema.
+/// The fingerprint that lcm-gen computes from the schema.
 template <class Generated>
 int64_t fingerprint() {
   return Generated::getHash();
@@ -43,7 +43,7 @@ bool read(std::span<const uint8_t> bytes, Message& message) {
   return reader.atEnd();
 }
 
-/// Cuts the texts of a message to what the wire takes.
+/// Cuts the texts of a message to the wire's limit.
 void shortenTexts(Status& s) {
   for (std::string* text : {&s.groom_name, &s.backend, &s.device, &s.encoding.codec, &s.last_command_error})
     *text = shortened(*text);

@@ -7,15 +7,15 @@
 
 namespace strandcast {
 
-/// A reader's sign of life, as in strandcast.lcm.
+/// reader_t of strandcast.lcm: a reader announces itself.
 struct ReaderSign {
   uint64_t reader = 0;
   uint32_t groom_id = 0;
   bool wants_groom = false;
 };
 
-/// Messages of strandcast.lcm, with their fingerprints, to and from bytes. Not by lcm-gen's code, whose
-/// decoder makes room for whatever length it is told; the tests hold both to be the same on sound messages.
+/// Encode and decode the messages of strandcast.lcm with their fingerprints. lcm-gen's decoder is not used,
+/// because it allocates whatever length a message states. Tests verify that both agree on valid messages.
 void toBytes(const GroomChunk& chunk, std::vector<uint8_t>& bytes);
 void toBytes(const BodyChunk& chunk, std::vector<uint8_t>& bytes);
 void toBytes(const ColliderChunk& chunk, std::vector<uint8_t>& bytes);
@@ -24,8 +24,8 @@ void toBytes(const Command& command, std::vector<uint8_t>& bytes);
 void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes);
 void toBytes(const Status& status, std::vector<uint8_t>& bytes);
 
-/// False on another type, another version, or damage; the message is arbitrary then. What the fields say is
-/// unchecked.
+/// False on another type, another version, or damage; the content of the message is unspecified then. Field
+/// values are not checked.
 bool fromBytes(std::span<const uint8_t> bytes, GroomChunk& chunk);
 bool fromBytes(std::span<const uint8_t> bytes, BodyChunk& chunk);
 bool fromBytes(std::span<const uint8_t> bytes, ColliderChunk& chunk);

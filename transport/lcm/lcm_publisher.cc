@@ -23,11 +23,11 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kCarouselPeriod{1000}, kStatusPeriod{500}, kRepeatAtMost{100};
-/// The description goes out in bursts that a gigabit network keeps up with.
+/// Chunks of the description per burst; a gigabit network sustains this rate.
 constexpr size_t kBurst = 4;
 constexpr milliseconds kBetweenBursts{2};
 constexpr size_t kAnswersKept = 256, kMaxReaders = 4096;
-/// What a publisher says last is said as often, for nobody acknowledges it.
+/// The last message of a publisher is repeated, because nothing is acknowledged.
 constexpr int kFarewells = 3;
 
 class LcmPublisher final : public Publisher {
@@ -40,8 +40,8 @@ class LcmPublisher final : public Publisher {
     ears_ = link_->listen({{channels_.command, [this](auto message) { receiveCommand(message); }},
                            {channels_.reader, [this](auto message) { receiveSign(message); }},
                            {channels_.status, [this](auto message) { receiveStatus(message); }}});
-    publishStatus({});      // so that rivals hear of this session at once
-    announceColliders({});  // so that readers do not wait for any
+    publishStatus({});      // so that rivals learn of this session at once
+    announceColliders({});  // so that readers do not wait for colliders
     service_ = std::thread([this] { serve(); });
   }
 
@@ -82,12 +82,12 @@ class LcmPublisher final : public Publisher {
     own.session = options_.session;
     std::unique_lock lock(mutex_);
     next_colliders_ = std::move(own);
-    if (description_.empty()) return encodeColliders(lock);  // they come with the groom
+    if (description_.empty()) return encodeColliders(lock);  // colliders are sent with the groom
     if (isWrittenLog(options_.url)) {
       encodeColliders(lock);
       return sendDescription(lock);
     }
-    repeat_due_ = Clock::now();  // the frames that follow do not wait for it
+    repeat_due_ = Clock::now();  // frames that follow do not wait for it
     wake_.notify_all();
   }
 
@@ -145,7 +145,7 @@ class LcmPublisher final : public Publisher {
     Command command;
     if (!fromBytes(message, command) || command.groom_id != options_.groom_id || !isSound(command)) return;
     {
-      // Its answer was lost: it is not obeyed again.
+      // The answer was lost: repeat it, and do not execute the command again.
       const std::lock_guard lock(mutex_);
       if (const auto answer = answers_.find(command.id); answer != answers_.end())
         return link_->send(channels_.status, answer->second);
@@ -172,7 +172,7 @@ class LcmPublisher final : public Publisher {
     const std::lock_guard lock(mutex_);
     rival_ = Rival::of(status);
     rival_heard_ = Clock::now();
-    // It starts, and listens for this one.
+    // A starting daemon listens for this one: answer it once with a status.
     if (rival_->casts || std::exchange(answered_rival_, status.session) == status.session) return;
     status_due_ = rival_heard_;
     wake_.notify_all();
@@ -208,7 +208,7 @@ class LcmPublisher final : public Publisher {
     if (!description_.empty()) turnCarousel();
   }
 
-  /// What has changed is sent next.
+  /// Schedules the changed description to be sent next.
   void turnCarousel() {
     auto carousel = std::make_shared<std::vector<Message>>(description_);
     carousel->insert(carousel->end(), colliders_.begin(), colliders_.end());
@@ -216,7 +216,8 @@ class LcmPublisher final : public Publisher {
     is_asked_ = true;
   }
 
-  /// Once through; a newer one takes its place. Colliders of many chunks, fields, go to those who ask alone.
+  /// Sends the description once; a newer one interrupts it. Colliders of more than kBurst chunks (fields) are
+  /// sent on request only.
   void sendDescription(std::unique_lock<std::mutex>& lock) {
     const bool with_colliders = std::exchange(is_asked_, false) || colliders_.size() <= kBurst;
     const auto carousel = carousel_;
@@ -238,19 +239,19 @@ class LcmPublisher final : public Publisher {
   AnnouncedGroom announced_;
   std::vector<uint8_t> guide_message_;
 
-  mutable std::mutex mutex_;  // of all that follows
+  mutable std::mutex mutex_;  // guards all below
   std::condition_variable wake_;
   std::vector<Message> description_, colliders_;
-  std::optional<ColliderSet> next_colliders_;             // that are to take the place of those
-  std::shared_ptr<const std::vector<Message>> carousel_;  // both
+  std::optional<ColliderSet> next_colliders_;             // replaces colliders_ soon
+  std::shared_ptr<const std::vector<Message>> carousel_;  // description_ and colliders_
   Clock::time_point repeat_due_ = Clock::time_point::max(), repeated_{}, status_due_{};
   std::vector<uint8_t> status_message_;
-  std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that told it
-  std::deque<uint64_t> answered_;                     // its keys, oldest first
+  std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that answered it
+  std::deque<uint64_t> answered_;                     // keys of answers_, oldest first
   mutable std::map<uint64_t, Clock::time_point> readers_;
-  std::optional<Rival> rival_;  // that was heard last
+  std::optional<Rival> rival_;  // the last one heard
   Clock::time_point rival_heard_{};
-  uint64_t answered_rival_ = 0;  // session of one that starts and was told the status for it
+  uint64_t answered_rival_ = 0;  // session of a starting daemon that was answered
   bool is_asked_ = false, stop_ = false;
 
   std::shared_ptr<MessageLink> link_;

@@ -21,7 +21,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kSignPeriod{1000}, kAskPeriod{200};
 
-/// Daemons have no writers here: their session names them.
+/// LCM has no writers: session and groom id identify a daemon.
 StatusBoard::WriterId writerId(const Status& status) {
   StatusBoard::WriterId id{};
   for (size_t i = 0; i < 8; ++i) id[i] = static_cast<uint8_t>(status.session >> (8 * i));
@@ -97,7 +97,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
     return own && own->session == session && revision <= own->revision;
   }
 
-  // The carousel brings every groom again and again.
+  // Grooms arrive repeatedly.
 
   void receiveGroom(std::span<const uint8_t> message) {
     GroomChunk chunk;
@@ -132,7 +132,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
   void receiveStatus(std::span<const uint8_t> message) {
     Status status;
     if (!fromBytes(message, status)) return;
-    forgetSilent();  // also where nobody asks
+    forgetSilent();  // also while nobody calls status()
     const StatusBoard::WriterId id = writerId(status);
     if (!receive(std::move(status), id)) return;
     const std::lock_guard lock(heard_mutex_);
@@ -148,7 +148,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
     });
   }
 
-  /// A daemon has started anew, or changed its groom.
+  /// After a new session or a changed groom.
   void askForGroom() {
     const std::lock_guard lock(sign_mutex_);
     lacks_groom_ = true;
@@ -162,7 +162,8 @@ class LcmSubscriber final : public ReceivingSubscriber {
       sign_.wants_groom = std::exchange(lacks_groom_, false) || !groom() || !body() || !colliders();
       toBytes(sign_, message);
       link_->send(channels_.reader, message);
-      // One who asks is not heard again at once; one who has all asks as soon as something new is cast.
+      // A sign that asks is followed by the next after kAskPeriod; a complete reader asks as soon as it lacks
+      // something.
       wake_.wait_for(lock, sign_.wants_groom ? kAskPeriod : kSignPeriod,
                      [&] { return stop_ || (lacks_groom_ && !sign_.wants_groom); });
     }
@@ -173,7 +174,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
   mutable std::mutex heard_mutex_;
   mutable std::map<StatusBoard::WriterId, Clock::time_point> heard_;
 
-  std::mutex sign_mutex_;  // of what follows
+  std::mutex sign_mutex_;  // guards all below
   std::condition_variable wake_;
   ReaderSign sign_;
   bool lacks_groom_ = false, stop_ = false;

@@ -10,12 +10,12 @@
 
 namespace strandcast {
 
-/// Carries messages on named channels: each arrives whole or not at all, perhaps late, perhaps twice. What
-/// the LCM ends stand on; the tests put one that loses messages in its place.
+/// Carries messages on named channels: each arrives whole or not at all, possibly late or twice. The LCM ends
+/// use it; tests substitute a link that loses messages.
 class MessageLink {
  public:
   using Handler = std::function<void(std::span<const uint8_t> message)>;
-  /// A handler that is called no more once all Listenings to it are gone.
+  /// A handler that can be closed: it is not called after the last Listening to it is destroyed.
   class Ear {
    public:
     explicit Ear(Handler handler) : handler_(std::move(handler)) {}
@@ -23,7 +23,7 @@ class MessageLink {
       const std::lock_guard lock(mutex_);
       if (handler_) handler_(message);
     }
-    /// Waits for a call under way.
+    /// Waits for a call in progress.
     void close() {
       const std::lock_guard lock(mutex_);
       handler_ = nullptr;
@@ -33,7 +33,7 @@ class MessageLink {
     std::mutex mutex_;
     Handler handler_;
   };
-  /// Not to be let go of within the handler.
+  /// Must not be destroyed within the handler.
   using Listening = std::shared_ptr<Ear>;
   static Listening listening(std::shared_ptr<Ear> ear) {
     Ear* const open = ear.get();
@@ -46,13 +46,13 @@ class MessageLink {
   };
 
   virtual ~MessageLink() = default;
-  /// The handlers run in a thread of the link's, one message at a time of all channels, until their
-  /// Listenings are gone. None runs before all can: a log file is read from then on, and only once. Throws
+  /// The handlers run in a thread of the link, one message of any channel at a time, until their Listenings
+  /// are destroyed. No handler runs before all are registered: a log file is read from then on, once. Throws
   /// Error.
   [[nodiscard]] virtual std::vector<Listening> listen(std::vector<Channel> channels) = 0;
-  /// Thread-safe, also within a handler; neither waits for readers nor throws.
+  /// Thread-safe, also within a handler. Neither waits for readers nor throws.
   virtual void send(const std::string& channel, std::span<const uint8_t> message) = 0;
-  /// Why messages are lost that were to be kept; empty where all are, or none was to be.
+  /// Why messages could not be stored; empty where nothing failed.
   virtual std::string failure() const { return {}; }
 };
 

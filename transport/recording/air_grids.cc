@@ -11,8 +11,8 @@
 namespace strandcast {
 namespace {
 
-constexpr int kCompression = 1;    // a grid is packed while the simulation waits
-constexpr float kLargest = 32767;  // of a 16-bit number
+constexpr int kCompression = 1;    // low, because the simulation waits while a grid is packed
+constexpr float kLargest = 32767;  // magnitude of a quantised value
 constexpr float kFarthest = 1e7f;  // m
 constexpr float kLargestUnit = 1e30f;
 
@@ -33,7 +33,7 @@ bool isSound(const AirGrids& grids) {
   return std::all_of(grids.values.begin(), grids.values.end(), [&](const std::vector<float>& values) {
     return values.empty() ||
            (values.size() == count && std::all_of(values.begin(), values.end(), [](float v) {
-              return std::fabs(v) <= kLargestUnit;  // false of NaN
+              return std::fabs(v) <= kLargestUnit;  // false for NaN
             }));
   });
 }

@@ -59,8 +59,8 @@ class FileBytes final : public RecordingBytes {
   }
 
  private:
-  /// So that no writer empties it meanwhile. One that is under way has the lock, and only adds to it: the
-  /// lock is to be had once that has ended.
+  /// Locks the file so that no writer truncates it. A writer in progress has the lock and only appends; the
+  /// lock is taken once that has ended.
   void keep() { is_kept_ = is_kept_ || flock(file_, LOCK_SH | LOCK_NB) == 0; }
 
   const int file_;
@@ -73,7 +73,7 @@ class FileBytes final : public RecordingBytes {
               "check its folder");
 }
 
-/// Throws Error where another program has the file. A file system that knows no locks is not asked.
+/// Throws Error where another program has the file open. File systems without locks are accepted.
 void lock(int file, const std::string& name) {
   if (!isFile(file) || flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   close(file);
@@ -81,7 +81,7 @@ void lock(int file, const std::string& name) {
               "wait until it has ended, or name another file");
 }
 
-/// An old file is emptied once nobody else has it.
+/// Truncates an existing file after taking its lock.
 std::FILE* emptied(const std::filesystem::path& path) {
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (file < 0) failToMake(path.string(), errno);

@@ -12,7 +12,7 @@
 namespace strandcast {
 namespace {
 
-/// Kept in the file itself, for who finds one without this program.
+/// Stored in the file, for readers without this program.
 constexpr const char* kLayout =
     "A recording of Strandcast, version 3. After the 8 bytes STRNDREC: records of uint32 kind, uint32 "
     "length, "
@@ -41,7 +41,7 @@ CodecOptions alone(CodecOptions codec) {
   return codec;
 }
 
-/// What a reader would take.
+/// Whether a reader would accept the frame.
 bool isSound(const GuideFrame& frame) {
   return frame.head.position.allFinite() && std::abs(frame.head.rotation.squaredNorm() - 1) < 1e-3f &&
          std::isfinite(frame.simulation_time) &&
@@ -76,7 +76,7 @@ void Recorder::guarded(const Work& work) {
   try {
     work();
   } catch (const Error&) {
-    is_open_ = false;  // an index behind half a record would be no help
+    is_open_ = false;  // an index after half a record would be useless
     throw;
   }
 }
@@ -152,7 +152,7 @@ bool Recorder::addFrame(const GuideFrame& frame) {
   guarded([&] {
     writeFullIndex();
     if (newest_ != 0) interval_ = std::max(0.0, frame.simulation_time - simulation_time_);
-    if (number_ > 0) time_ += interval_;  // from groom to groom as between the frames before
+    if (number_ > 0) time_ += interval_;  // between grooms: as between the frames before
     simulation_time_ = frame.simulation_time;
     newest_ = frame.frame;
     FrameRecord record;
@@ -170,7 +170,7 @@ bool Recorder::addFrame(const GuideFrame& frame) {
     index_.times.push_back(time_);
     inputs_at_ = 0;
     ++number_;
-    file_->flush();  // who is killed leaves all frames but the one under way
+    file_->flush();  // a killed program loses only the frame in progress
   });
   grids_may_follow_ = true;
   return true;
@@ -191,7 +191,7 @@ bool Recorder::addGrids(const AirGrids& grids) {
   return true;
 }
 
-/// Before the next frame and its inputs, so that grids stand behind their own.
+/// Called before the next frame and its inputs, so that grids follow their own frame.
 void Recorder::writeFullIndex() {
   if (index_.offsets.size() == kIndexFrames) writeIndex();
 }

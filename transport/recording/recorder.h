@@ -13,47 +13,50 @@
 
 namespace strandcast {
 
+/// Options of a recording.
 struct RecordingOptions {
   uint32_t groom_id = 1;
-  CodecOptions codec;  ///< kTemporal is written as kOctahedral12: every frame of a recording stands alone
-  std::string source;  ///< kept for who resimulates it: RecordingHead::source
+  CodecOptions codec;  ///< kTemporal is written as kOctahedral12: every frame of a recording decodes alone
+  std::string source;  ///< for resimulation: RecordingHead::source
 };
 
-/// When a recording's file is made, and an old one of its name lost.
+/// When the recording's file is created, and an existing one truncated.
 enum class MakeFile {
   kAtOnce,
   kWithGroom  ///< by the first setGroom()
 };
 
-/// Writes a stream into a file that can be replayed up to wherever it ends, also when the program that writes
-/// it dies. Memory is that of a frame's largest chunk and of kIndexFrames places.
+/// Writes a stream into a file that can be replayed up to its end, even if the program that writes it dies.
+/// Memory: a frame's largest chunk and kIndexFrames offsets.
 class Recorder {
  public:
-  /// Throws Error when the file cannot be made, or could not be later: another program may have it open.
+  /// Throws Error when the file cannot be created now or, as far as is known, later: another program may have
+  /// it open.
   Recorder(const std::filesystem::path& file, const RecordingOptions& options,
            MakeFile when = MakeFile::kAtOnce);
-  /// Closes it; what goes wrong then goes unsaid.
+  /// Closes the file and ignores errors.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  // All throw Error when the file cannot be written: it is closed then.
+  // All throw Error when the file cannot be written, and close it.
 
-  /// Before the first frame, and whenever session or revision change. Throws Error as Publisher::announce.
+  /// Call before the first frame, and whenever session or revision change. Throws Error as
+  /// Publisher::announce().
   void setGroom(const GroomDescription& groom, const BodyDescription& body);
-  /// A command that is obeyed before the next frame.
+  /// Records a command that is executed before the next frame.
   void addInput(const Command& command);
-  /// Of the groom that was set. One of another groom, not newer than the last, or not finite is left out:
-  /// false.
+  /// Records a frame of the groom that was set. Skips it and returns false if it is of another groom, not
+  /// newer than the last, or not finite.
   bool addFrame(const GuideFrame& frame);
-  /// Of the frame that was added just before, once. Those of a frame that was left out, and grids that are
-  /// not isSound(), are left out: false.
+  /// Records grids of the frame added last, once. Skips them and returns false if that frame was skipped or
+  /// the grids are not isSound().
   bool addGrids(const AirGrids& grids);
   /// Writes the index. Nothing can be added afterwards.
   void close();
 
   uint64_t frames() const { return number_; }
-  uint64_t gridFrames() const { return grid_frames_; }          ///< that have grids
+  uint64_t gridFrames() const { return grid_frames_; }          ///< frames with grids
   double seconds() const { return time_; }                      ///< of simulation
   uint64_t bytes() const { return file_ ? file_->size() : 0; }  ///< written
   bool isOpen() const { return is_open_; }
@@ -74,21 +77,21 @@ class Recorder {
   std::optional<RecordWriter> file_;
   GuideEncoder encoder_;
   bool is_open_ = true;
-  uint64_t session_ = 0;  // of the groom in force
+  uint64_t session_ = 0;  // of the current groom
   uint32_t revision_ = 0;
   size_t vertices_ = 0;
   IndexRecord index_;
-  uint64_t inputs_at_ = 0;  // of the next frame; 0 = none yet
+  uint64_t inputs_at_ = 0;  // offset of the first input of the next frame; 0 = none yet
   uint64_t number_ = 0;
   double time_ = 0, interval_ = 0, simulation_time_ = 0;
-  uint64_t newest_ = 0;  // frame of the groom in force; 0 = none
+  uint64_t newest_ = 0;  // newest frame number of the current groom; 0 = none
   uint64_t grid_frames_ = 0;
   bool grids_may_follow_ = false;
   GuideChunk chunk_;
   std::vector<uint8_t> bytes_;
 };
 
-/// Of the bits of all positions, in natural order.
+/// FNV-1a, 64 bits, of all positions as float32, in natural order.
 uint64_t positionsHash(std::span<const Vec3> positions);
 
 }  // namespace strandcast

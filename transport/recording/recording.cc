@@ -30,7 +30,7 @@ bool isSound(const IndexRecord& index) {
       index.offsets.size() != index.times.size() || !(index.times.front() >= 0) ||
       !std::isfinite(index.times.back()))
     return false;
-  // Negated, so that NaN is out of order.
+  // Negated, so that NaN counts as out of order.
   for (size_t i = 1; i < index.times.size(); ++i)
     if (!(index.times[i] >= index.times[i - 1]) || index.offsets[i] <= index.offsets[i - 1]) return false;
   return true;
@@ -87,7 +87,7 @@ bool Recording::readEnd() {
   std::vector<Block> backwards;
   double next_time = HUGE_VAL;
   uint64_t next_number = end.frames;
-  // Each index lies before the one that names it: this ends.
+  // Terminates: each index precedes the one that refers to it.
   for (uint64_t at = end.index; at != 0; at = index.previous) {
     if (!readIndex(at, index) || index.first_number + index.offsets.size() != next_number ||
         !(index.times.back() <= next_time))
@@ -141,7 +141,7 @@ void Recording::scan() {
     }
   }
   if (!tail_.offsets.empty()) add(tail_, 0);
-  // The end of what was written, or what was damaged, may be within a frame.
+  // The file may end, or be damaged, within a frame.
   RecordedFrame last;
   while (frames_ > 0 && !blocks_.empty() && blocks_.back().index == 0 && !readFrame(frames_ - 1, last))
     dropLast();

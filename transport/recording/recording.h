@@ -17,17 +17,17 @@ namespace strandcast {
 struct RecordedFrame {
   FrameRecord record;
   std::shared_ptr<const GuideFrame> frame;
-  std::vector<Command> inputs;  ///< obeyed since the frame before
+  std::vector<Command> inputs;  ///< executed since the frame before
   std::shared_ptr<const GroomDescription> groom;
   std::shared_ptr<const BodyDescription> body;
 };
 
-/// Reads a recording, in any order. Nothing in the file is believed: memory is that of one frame, of one
-/// groom and of a few numbers per kIndexFrames frames, and never more than the file could hold. A file that
-/// was cut, or not closed, is read up to there.
+/// Reads a recording in any order. The file is not trusted: memory is that of one frame, one groom and a few
+/// numbers per kIndexFrames frames, and never more than the file could hold. A file that was cut, or not
+/// closed, is read up to its last whole frame.
 class Recording {
  public:
-  /// Both throw Error when it is no recording, of another version, or its head is damaged.
+  /// Both throw Error when the file is no recording, is of another version, or has a damaged head.
   explicit Recording(const std::filesystem::path& file);
   /// `name` appears in errors.
   Recording(std::unique_ptr<RecordingBytes> bytes, const std::string& name);
@@ -40,18 +40,18 @@ class Recording {
 
   /// The last frame that is not later than this; 0 before the first.
   uint64_t frameAt(double seconds);
-  /// s, of frame `number`, below frames().
+  /// Simulation time of frame `number`, s. Precondition: number < frames().
   double timeOf(uint64_t number);
-  /// Frame `number`, below frames(). Throws Error where the file is damaged.
+  /// Reads frame `number`. Precondition: number < frames(). Throws Error where the file is damaged.
   void read(uint64_t number, RecordedFrame& out);
-  /// The grids of frame `number`, below frames(); false where it has none, or the file was cut within them.
-  /// Throws Error where the file is damaged. Memory is that of one frame's grids.
+  /// Reads the grids of frame `number`; false where it has none, or the file was cut within them.
+  /// Precondition: number < frames(). Throws Error where the file is damaged. Memory: one frame's grids.
   bool readGrids(uint64_t number, AirGrids& out);
 
  private:
   /// A run of frames of one groom.
   struct Block {
-    uint64_t index = 0;  // where its kIndex is; 0 = none: its places are in tail_
+    uint64_t index = 0;  // offset of its kIndex; 0 = none: its offsets are in tail_
     uint64_t groom = 0;
     uint64_t first_number = 0, count = 0;
     double first_time = 0;
@@ -65,14 +65,14 @@ class Recording {
   bool readEnd();
   void scan();
   bool readIndex(uint64_t offset, IndexRecord& index);
-  /// The block of a frame below frames_.
+  /// The block of a frame. Precondition: number < frames_.
   const Block& blockOf(uint64_t number) const;
-  /// The index of a block; false where it is damaged.
+  /// Loads the index of a block; false where it is damaged.
   bool indexOf(const Block& block, const IndexRecord*& index);
   bool readGroom(uint64_t offset);
   bool parseGuides(std::span<const uint8_t> bytes);
   bool readFrame(uint64_t number, RecordedFrame& out);
-  /// Where what follows the guides of a frame begins.
+  /// Offset of the record after the guides of a frame.
   bool findEnd(uint64_t number, uint64_t& end);
   [[noreturn]] void fail(uint64_t number) const;
   void add(const IndexRecord& index, uint64_t offset);
@@ -81,16 +81,16 @@ class Recording {
   const std::string name_;
   RecordReader reader_;
   RecordingHead head_;
-  uint64_t first_record_ = 0;  // behind the head
+  uint64_t first_record_ = 0;  // after the head
   std::vector<Block> blocks_;
-  IndexRecord tail_;    // of frames that no index in the file holds
+  IndexRecord tail_;    // of frames that no index in the file covers
   IndexRecord loaded_;  // of the block that was used last
   uint64_t loaded_at_ = 0;
   uint64_t frames_ = 0;
   double seconds_ = 0;
   bool is_cut_ = false;
 
-  uint64_t groom_at_ = 0;  // of the groom in force
+  uint64_t groom_at_ = 0;  // offset of the current groom
   Shown shown_;
   GuideAssembler assembler_;
   GuideChunk chunk_;

@@ -7,41 +7,43 @@
 
 namespace strandcast {
 
-/// Version 1 has guide chunks of version 3 of the wire, without colliders, version 2 of version 5, without
-/// their bends.
+/// Recordings of version 1 have guide chunks of wire version 3, without colliders; those of version 2 have
+/// chunks of wire version 5, without bends.
 inline constexpr uint32_t kRecordingVersion = 3;
-/// Frames that one index holds at most.
+/// Frames per index, at most.
 inline constexpr size_t kIndexFrames = 1024;
 
-/// What stands at the head of a recording.
+/// The first record of a recording.
 struct RecordingHead {
   uint32_t version = kRecordingVersion;
   uint32_t groom_id = 0;
-  float max_error = 0;  ///< m, of the positions in it; 0 = exact
+  float max_error = 0;  ///< m, bound on the error of positions; 0 = exact
   std::string codec;    ///< as of codecList()
   std::string layout;   ///< how to read the file, for people
-  std::string source;   ///< what resimulates it: the program's own text; empty where it cannot be
+  /// Input of resimulation: the program's own text; empty where it cannot be resimulated
+  std::string source;
 };
 
-/// What stands before a frame's guides.
+/// The record before a frame's guides.
 struct FrameRecord {
   uint64_t number = 0;      ///< from 0 in this file
-  double time = 0;          ///< s of simulation since the start of the file, never falling
-  uint64_t state_hash = 0;  ///< positionsHash() of what was recorded, before it was encoded
-  uint32_t chunks = 0;      ///< that follow
+  double time = 0;          ///< simulation time since the start of the file, s; never decreases
+  uint64_t state_hash = 0;  ///< positionsHash() of the positions before encoding
+  uint32_t chunks = 0;      ///< number of guide chunks that follow
 };
 
-/// Where frames first_number and on begin: up to kIndexFrames of one groom.
+/// Offsets of the frames from first_number on: up to kIndexFrames of one groom.
 struct IndexRecord {
-  uint64_t previous = 0;  ///< where the index before this one is; 0 = none
-  uint64_t groom = 0;     ///< where the groom in force begins
+  uint64_t previous = 0;  ///< offset of the index before this one; 0 = none
+  uint64_t groom = 0;     ///< offset of the current groom
   uint64_t first_number = 0;
   std::vector<uint64_t> offsets;  ///< of each frame's first input, or of its kFrame
   std::vector<double> times;      ///< s
 };
 
+/// The last record of a recording that was closed.
 struct EndRecord {
-  uint64_t index = 0;  ///< where the last one is; 0 = no frames
+  uint64_t index = 0;  ///< offset of the last index; 0 = no frames
   uint64_t frames = 0;
 };
 
@@ -52,12 +54,12 @@ struct GridRecord {
   std::array<float, 3> origin{};  ///< m
   float cell = 0;                 ///< m
   uint32_t first_layer = 0;       ///< along z
-  uint32_t values = 0;            ///< a bit for each GridValue that is there
-  std::vector<float> units;       ///< of each that is there
+  uint32_t values = 0;            ///< a bit for each GridValue present
+  std::vector<float> units;       ///< per GridValue present
   std::vector<uint8_t> packed;
 };
 
-// Once for MessageWriter and MessageReader.
+// Fields, once for MessageWriter and MessageReader.
 
 template <class Stream>
 void recordFields(Stream& s, auto& m, std::type_identity<RecordingHead>) {

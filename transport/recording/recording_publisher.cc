@@ -21,7 +21,7 @@ template <class Work>
 void RecordingPublisher::record(const Work& work) {
   const bool was_sound = failure_.empty();
   attempt(work);
-  // The end, which tells it, may be hours away.
+  // At once: close() returns the failure, but may be hours away.
   if (casts_ && was_sound && !failure_.empty())
     spdlog::error("casting goes on, recording does not: {}", failure_);
 }

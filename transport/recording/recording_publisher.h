@@ -9,18 +9,18 @@
 
 namespace strandcast {
 
-/// A publisher that also records what goes through it: groom, frames as they were before any network's codec,
-/// and the commands that were taken, each before the frame that it had an effect on. A collider that is added
-/// is recorded where the status answers that it is there, which may be many frames later, and one that is
-/// refused is not: a name that was taken then may be free when the run is repeated. When the file cannot be
-/// written any more, that is logged and casting goes on without it.
+/// A publisher that also records what is published: groom, frames before any network's codec, and the
+/// commands that were taken, each before the first frame that it affects. A command that adds a collider is
+/// recorded when a status confirms it, which may be many frames later, and not at all when it is refused: a
+/// name that was taken then may be free in a resimulation. When the file cannot be written any more, that is
+/// logged and publishing continues without it.
 class RecordingPublisher final : public Publisher {
  public:
-  /// Where nobody listens to `publisher` a failure is not logged: close() tells it.
+  /// With `casts` false (no reader of `publisher`), a failure is not logged; close() returns it.
   explicit RecordingPublisher(std::unique_ptr<Publisher> publisher, bool casts = true)
       : publisher_(std::move(publisher)), casts_(casts) {}
-  /// Records from announce() on, which makes the file: an old one stays until then. Throws Error when it
-  /// cannot be made.
+  /// Records from announce() on, which creates the file: an existing one remains until then. Throws Error
+  /// when it cannot be created.
   void open(const std::filesystem::path& file, const RecordingOptions& options) {
     recorder_.emplace(file, options, MakeFile::kWithGroom);
   }
@@ -35,20 +35,20 @@ class RecordingPublisher final : public Publisher {
   std::optional<Rival> rival() const override { return publisher_->rival(); }
   std::chrono::milliseconds listenTime() const override { return publisher_->listenTime(); }
   size_t possibleRivals() const override { return publisher_->possibleRivals(); }
-  SharedTurn sharedTurn() const override { return publisher_->sharedTurn(); }
-  bool lapsed() override { return publisher_->lapsed(); }
+  CastingState castingState() const override { return publisher_->castingState(); }
+  bool takeLapse() override { return publisher_->takeLapse(); }
   size_t sharers() const override { return publisher_->sharers(); }
   bool wantsHair() const override { return publisher_->wantsHair(); }
   void publishShow(const Show& show) override { publisher_->publishShow(show); }
   std::optional<Show> takeShow() override { return publisher_->takeShow(); }
   std::string failure() const override { return publisher_->failure(); }
 
-  /// Those of the frame that was published last, as Recorder.
+  /// Records grids of the frame published last, as Recorder::addGrids().
   void addGrids(const AirGrids& grids);
 
-  /// Of an open() one.
+  /// Precondition: open() was called.
   const Recorder& recorder() const { return *recorder_; }
-  /// Closes the file. What went wrong with it, now or before; empty where nothing did.
+  /// Closes the file. Returns the first error, now or before; empty where there was none.
   std::string close();
 
  private:
@@ -61,7 +61,7 @@ class RecordingPublisher final : public Publisher {
   const bool casts_;
   std::optional<Recorder> recorder_;
   std::string failure_;
-  std::vector<Command> unanswered_;  ///< that add colliders
+  std::vector<Command> unanswered_;  ///< commands that add colliders
 };
 
 }  // namespace strandcast

@@ -90,7 +90,7 @@ void checkIdentity(X509& certificate, EVP_PKEY& key, X509& authority, const std:
   }
 }
 
-/// The document within, where `authority` has signed it.
+/// The content of a document that `authority` signed.
 std::string readSigned(const std::filesystem::path& file, X509& authority) {
   const std::string bytes = bytesOf(file);
   BIO* contents = nullptr;
@@ -116,7 +116,7 @@ std::string readSigned(const std::filesystem::path& file, X509& authority) {
   return {text, static_cast<size_t>(size)};
 }
 
-/// Every grant of the document has ended.
+/// Whether every grant of the document has expired.
 bool hasEnded(const std::string& permissions) {
   const std::string tag = "<not_after>";
   bool any = false;

@@ -10,7 +10,7 @@
 
 namespace strandcast {
 
-/// Frees by the function of its library.
+/// Deleter that calls a library's function.
 template <auto free>
 struct FreedBy {
   template <class T>
@@ -26,7 +26,7 @@ using StoreHandle = std::unique_ptr<X509_STORE, FreedBy<X509_STORE_free>>;
 using StoreContextHandle = std::unique_ptr<X509_STORE_CTX, FreedBy<X509_STORE_CTX_free>>;
 using SignatureHandle = std::unique_ptr<PKCS7, FreedBy<PKCS7_free>>;
 
-/// Reads `bytes`, which must outlive it.
+/// A BIO that reads `bytes`, which must outlive it.
 inline BioHandle memoryOf(const std::string& bytes) {
   return BioHandle(BIO_new_mem_buf(bytes.data(), static_cast<int>(bytes.size())));
 }

@@ -8,7 +8,7 @@ namespace {
 const char* const kHead = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
 const char* const kEveryDomain = "<domains><id_range><min>0</min><max>232</max></id_range></domains>\n";
 
-// Topics of a groom are in its partition, "groom" and its number; the status is in none.
+// Topics of a groom are in the partition "groom" followed by its id; the status is in none.
 const char* const kGroomPartitions = "<partitions><partition>groom*</partition></partitions>";
 
 std::string criteria(const char* action, const char* topic, const char* partitions) {

@@ -4,22 +4,22 @@
 
 namespace strandcast {
 
-/// What a program may do where the profile `secure` is used.
+/// Permissions of a program with the profile `secure`.
 enum class KeyRole {
-  kDaemon,    ///< casts grooms, shares them with other daemons, obeys
-  kRenderer,  ///< reads everything, commands
+  kDaemon,    ///< casts grooms, shares them with other daemons, executes commands
+  kRenderer,  ///< reads everything, sends commands
   kReader     ///< reads everything
 };
 
 /// "daemon", "renderer" or "reader".
 const char* nameOf(KeyRole role);
 
-/// The documents of OMG DDS Security 1.1, section 9.4, before they are signed.
+/// The unsigned documents of OMG DDS Security 1.1, section 9.4.
 
-/// What holds for everyone: nobody unknown takes part, and everything is encrypted and allowed by name.
+/// Governance: unknown participants are refused, everything is encrypted, and access is by permission.
 std::string governanceXml();
 
-/// What whoever has a certificate of this subject (RFC 2253, "CN=...") may do between the two times.
+/// Permissions of the program whose certificate has this subject (RFC 2253, "CN=..."), between the two times.
 std::string permissionsXml(KeyRole role, const std::string& subject, std::time_t not_before,
                            std::time_t not_after);
 

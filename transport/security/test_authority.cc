@@ -40,7 +40,7 @@ void addExtension(X509& certificate, X509& issuer, int kind, const char* value) 
   X509_EXTENSION_free(extension);
 }
 
-/// Signed by `authority`, or by itself where there is none.
+/// Signed by `authority`, or self-signed where that is null.
 Identity makeIdentity(const std::string& common_name, int days, const Identity* authority) {
   Identity identity{KeyHandle(EVP_EC_gen("P-256")), CertificateHandle(X509_new())};
   require(identity.key != nullptr && identity.certificate != nullptr, "a key");
@@ -73,7 +73,7 @@ void write(const std::filesystem::path& file, BIO& bytes, mode_t mode) {
   const long size = BIO_get_mem_data(&bytes, &data);
   const int out = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
   long left = out >= 0 ? size : -1;
-  while (left > 0) {  // a full disk takes the beginning, and tells why at the rest
+  while (left > 0) {  // on a full disk the first write succeeds in part, and the next one reports the cause
     const ssize_t put = ::write(out, data + (size - left), static_cast<size_t>(left));
     if (put <= 0) break;
     left -= put;
@@ -108,7 +108,7 @@ void writeSigned(const std::filesystem::path& file, const std::string& document,
   write(file, *bytes, kPublic);
 }
 
-/// Made beside its place, which it takes once it is whole; else nothing of it stays.
+/// Builds a folder beside its final path and renames it when complete; removes everything otherwise.
 class NewFolder {
  public:
   explicit NewFolder(const std::filesystem::path& place)

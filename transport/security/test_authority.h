@@ -7,17 +7,17 @@
 
 namespace strandcast {
 
-/// A certificate authority for tests and for networks that need no other: it vouches for identities and signs
-/// what they may do. Certificates are X.509 with ECDSA over P-256 and SHA-256.
+/// A certificate authority for tests and for networks that need no other: it issues certificates and signs
+/// permissions. Certificates are X.509 with ECDSA over P-256 and SHA-256.
 struct TestIdentity {
   KeyRole role;
-  std::filesystem::path folder;  ///< has all that checkKeyFolder() asks for, and permissions.xml unsigned
+  std::filesystem::path folder;  ///< has all that checkKeyFolder() requires, and permissions.xml, unsigned
   std::string subject;           ///< "CN=strandcast daemon"
 };
 
-/// Makes `folder` with ca/ (cert.pem, key.pem, governance.xml unsigned) and a folder for each role. All of it
-/// is in force for `days` (from a day ago, so that clocks may differ). Private keys are readable by their
-/// owner alone. Throws Error where the folder exists or cannot be written.
+/// Makes `folder` with ca/ (cert.pem, key.pem, governance.xml unsigned) and a folder for each role. All
+/// certificates and permissions are valid for `days`, beginning a day ago to tolerate clock differences.
+/// Private keys are readable by their owner only. Throws Error where the folder exists or cannot be written.
 std::vector<TestIdentity> makeTestKeys(const std::filesystem::path& folder, int days);
 
 }  // namespace strandcast

@@ -1,5 +1,5 @@
 #version 450
-// Runs one kernel over arrays, for the conformance test of kernels/.
+// Runs one kernel on every item of an array, for kernel_conformance_test.
 layout(local_size_x = 64) in;
 
 #include "kernels/lanes_glsl.h"

@@ -1,4 +1,4 @@
-// Kernel text (see kernels/README.md): every kernel behind one signature, so that each instantiation can run all.
+// Kernel text (see kernels/README.md): every kernel behind one signature, so that each instantiation can run all of them.
 struct KernelInput {
   real v[16];
 };
@@ -20,7 +20,7 @@ FN void out4(INOUT(KernelOutput) o, IN(quat) value) {
   o.v[3] = value.w;
 }
 
-// Numbers as in tests/conformance/kernel_conformance.h.
+// Kernel numbers are those of tests/conformance/kernel_conformance.h.
 FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
   KernelOutput o;
   for (int c = 0; c < 9; ++c) o.v[c] = lit(0);
@@ -174,14 +174,14 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
     o.v[0] = bentDistance(i.v[0], i.v[1], gradient);
     out3(o, 1, gradient);
   } else if (kernel == 37) {
-    o.v[0] = lastTurn(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12]);
+    o.v[0] = gapToRemove(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12]);
   } else if (kernel == 38) {
-    real3 rubs;
+    real3 kept_friction;
     real follows;
-    out3(o, 0, heldPlace(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14],
-                         madd(in3(i, 9), i.v[15], in3(i, 6)), follows, rubs));
+    out3(o, 0, positionOnSurface(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14],
+                         madd(in3(i, 9), i.v[15], in3(i, 6)), follows, kept_friction));
     o.v[3] = follows;
-    out3(o, 4, rubs);
+    out3(o, 4, kept_friction);
   } else if (kernel == 39) {
     out3(o, 0, heldForce(in3(i, 0), in3(i, 3), i.v[12], in3(i, 6), in3(i, 9), i.v[13]));
   } else if (kernel == 40) {

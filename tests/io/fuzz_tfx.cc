@@ -1,0 +1,13 @@
+#include "tests/io/reader_checks.h"
+#include "tests/io/sample_files.h"
+
+// Run as: fuzz_tfx FOLDER. The folder, which may be empty at first, receives the seeds and the findings.
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  strandcast::writeFuzzSeeds(*argc, *argv, {strandcast::samples::tfx3(true), strandcast::samples::tfx4()});
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  strandcast::checkTfxReader(std::as_bytes(std::span(data, size)));
+  return 0;
+}
