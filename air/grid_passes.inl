@@ -15,9 +15,9 @@ struct Corners {
 inline Corners cornersAt(const GridShape& s, const real3& at, const real3& last) {
   const GridPlace place = gridPlace(at, last);
   Corners out;
-  storeAsInt(madd(place.low.z, lit(static_cast<double>(s.layer())),
-                  madd(place.low.y, lit(static_cast<double>(s.row())), place.low.x)),
-             out.first);
+  storeAsInt(
+      madd(place.low.z, lit(static_cast<double>(s.layer())), madd(place.low.y, lit(static_cast<double>(s.row())), place.low.x)),
+      out.first);
   out.part = place.part;
   return out;
 }
@@ -46,15 +46,12 @@ struct CornerParts {
   }
 };
 // Nodes of four numbers, interpolated at the position of one lane.
-inline quads::real sampled(const GridShape& s, const Scalar* nodes, const Corners& corners, const CornerParts& parts,
-                           int lane) {
+inline quads::real sampled(const GridShape& s, const Scalar* nodes, const Corners& corners, const CornerParts& parts, int lane) {
   const Scalar* n = nodes + 4 * size_t{corners.first[lane]};
   const size_t y = 4 * s.row(), z = 4 * s.layer();
-  const quads::real3 part = {quads::fill(parts.of[0][lane]), quads::fill(parts.of[1][lane]),
-                             quads::fill(parts.of[2][lane])};
-  return quads::interpolated(quads::load(n), quads::load(n + 4), quads::load(n + y), quads::load(n + y + 4),
-                             quads::load(n + z), quads::load(n + z + 4), quads::load(n + z + y),
-                             quads::load(n + z + y + 4), part);
+  const quads::real3 part = {quads::fill(parts.of[0][lane]), quads::fill(parts.of[1][lane]), quads::fill(parts.of[2][lane])};
+  return quads::interpolated(quads::load(n), quads::load(n + 4), quads::load(n + y), quads::load(n + y + 4), quads::load(n + z),
+                             quads::load(n + z + 4), quads::load(n + z + y), quads::load(n + z + y + 4), part);
 }
 
 // Distances to the body at the end of the step. The body is placed once for all points.
@@ -65,8 +62,7 @@ inline void distancesPass(const MovingPrimitive& primitive, const uint32_t* word
     const size_t lanes = count - first < kLanes ? count - first : kLanes;
     alignas(64) Scalar x[3][kLanes], distance[kLanes];
     for (size_t lane = 0; lane < kLanes; ++lane)
-      for (size_t c = 0; c < 3; ++c)
-        x[c][lane] = static_cast<Scalar>(points[3 * (first + (lane < lanes ? lane : 0)) + c]);
+      for (size_t c = 0; c < 3; ++c) x[c][lane] = static_cast<Scalar>(points[3 * (first + (lane < lanes ? lane : 0)) + c]);
     const real3 at = makeReal3(load(x[0]), load(x[1]), load(x[2]));
     store(surfaceAt(body, at, lit(0), lit(0) < lit(1)).distance, distance);
     for (size_t lane = 0; lane < lanes; ++lane) out[first + lane] = static_cast<float>(distance[lane]);
@@ -186,8 +182,7 @@ inline void correctPass(const WindView<Scalar>& w, int axis, Scalar* out, int k)
       const real ahead = loadAt(w.next[axis] + row + i), was = loadAt(w.velocity[axis] + row + i);
       const real back = valueAt(s, w.next[axis], axis, onward).value;
       real corrected = macCormack(ahead, was, back, from.low, from.high);
-      if (w.ambient != nullptr)
-        corrected = select(beyond(s, axis, behind) || beyond(s, axis, onward), ahead, corrected);
+      if (w.ambient != nullptr) corrected = select(beyond(s, axis, behind) || beyond(s, axis, onward), ahead, corrected);
       storeAt(corrected, out + row + i);
     }
   }
@@ -201,8 +196,7 @@ inline void diffusePass(const WindView<Scalar>& w, int axis, Scalar coefficient,
   for (int j = 0; j < rows; ++j) {
     Scalar* row = field + startOf(s, j, k);
     const Scalar* rows_around[4] = {field + startOf(s, inside(j - 1, rows), k), field + startOf(s, inside(j + 1, rows), k),
-                                    field + startOf(s, j, inside(k - 1, layers)),
-                                    field + startOf(s, j, inside(k + 1, layers))};
+                                    field + startOf(s, j, inside(k - 1, layers)), field + startOf(s, j, inside(k + 1, layers))};
     row[-1] = row[0];
     row[columns] = row[columns - 1];
     for (int i = 0; i < columns; i += kLanes) {
@@ -309,8 +303,7 @@ inline void alongWeights(const PressureView<Scalar>& p, int k, const Body& body)
 }
 
 template <class Wanted>
-inline void outflowAlong(const WindView<Scalar>& w, const PressureView<Scalar>& p, const Wanted& wanted, Scalar* right,
-                         int k) {
+inline void outflowAlong(const WindView<Scalar>& w, const PressureView<Scalar>& p, const Wanted& wanted, Scalar* right, int k) {
   const size_t y = w.shape.row(), z = w.shape.layer();
   alongRows(w.shape, k, [&](size_t c) {
     const real out = outflow(loadAt(w.velocity[0] + c), loadAt(w.velocity[0] + c + 1), loadAt(w.velocity[1] + c),
@@ -321,9 +314,11 @@ inline void outflowAlong(const WindView<Scalar>& w, const PressureView<Scalar>& 
 }
 inline void outflowPass(const WindView<Scalar>& w, const PressureView<Scalar>& p, Scalar* right, int k) {
   if (w.target_divergence == nullptr)
-    outflowAlong(w, p, [](size_t) { return lit(0); }, right, k);
+    outflowAlong(
+        w, p, [](size_t) { return lit(0); }, right, k);
   else
-    outflowAlong(w, p, [&](size_t c) { return loadAt(w.target_divergence + c); }, right, k);
+    outflowAlong(
+        w, p, [&](size_t c) { return loadAt(w.target_divergence + c); }, right, k);
 }
 inline Scalar fastestPass(const WindView<Scalar>& w, int k) {
   real most = lit(0);
@@ -339,12 +334,10 @@ inline Scalar fastestPass(const WindView<Scalar>& w, int k) {
   }
   return largest(most);
 }
-inline void smoothPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar weight, Scalar* out,
-                       int k) {
+inline void smoothPass(const PressureView<Scalar>& p, const Scalar* x, const Scalar* right, Scalar weight, Scalar* out, int k) {
   if (x == nullptr) {
-    alongWeights(p, k, [&](size_t c, const auto& w) {
-      storeAt(w.inverseDiagonal(c) * lit(weight) * loadAt(right + c), out + c);
-    });
+    alongWeights(p, k,
+                 [&](size_t c, const auto& w) { storeAt(w.inverseDiagonal(c) * lit(weight) * loadAt(right + c), out + c); });
     return;
   }
   alongWeights(p, k, [&](size_t c, const auto& w) {
@@ -381,8 +374,7 @@ inline void prolongPass(const PressureView<Scalar>& p, const GridShape& coarse, 
       real cells[2], inverse_diagonal[2];
       loadTwos(x + c, cells);
       loadTwos(p.inverse_diagonal + c, inverse_diagonal);
-      for (int side = 0; side < 2; ++side)
-        cells[side] = cells[side] + select(inverse_diagonal[side] > lit(0), add, lit(0));
+      for (int side = 0; side < 2; ++side) cells[side] = cells[side] + select(inverse_diagonal[side] > lit(0), add, lit(0));
       storeTwos(cells, x + c);
     }
 }
@@ -420,8 +412,7 @@ inline void subtractGradientPass(const WindView<Scalar>& w, const PressureView<S
     for (int i = 0; i < columnsOf(s, axis); i += kLanes) {
       const size_t c = startOf(s, j, k) + static_cast<size_t>(i);
       Scalar* out = w.velocity[axis] + c;
-      storeAt(projectVelocity(loadAt(out), loadAt(p.open[axis] + c), loadAt(pressure + c - s.next(axis)),
-                           loadAt(pressure + c)),
+      storeAt(projectVelocity(loadAt(out), loadAt(p.open[axis] + c), loadAt(pressure + c - s.next(axis)), loadAt(pressure + c)),
               out);
     }
 }
@@ -432,7 +423,7 @@ inline mask isInGrid(const GridShape& s, const real3& at) {
   return at.x >= low && at.x <= high && at.y >= low && at.y <= high && at.z >= low && at.z <= high;
 }
 
-constexpr double kSane = 1e4;          // m/s; a faster strand has diverged
+constexpr double kSane = 1e4;             // m/s; a faster strand has diverged
 constexpr size_t kSamplesTogether = 128;  // fit the L1 cache between the two loops
 // Extrapolated positions (m, 4 numbers each, into `places`) and velocities (into v.motion) of samples.
 inline void locate(const SplatView<Scalar>& v, size_t begin, size_t end, Scalar* places) {
@@ -499,8 +490,7 @@ inline void eachInGrid(const SplatView<Scalar>& v, size_t begin, size_t end, con
     const Scalar* place = v.places + n;
     const real3 at = makeReal3(loadAt(place), loadAt(place + v.stride), loadAt(place + 2 * v.stride));
     const mask in = isInGrid(v.shape, at) && laneNumbers() < lit(static_cast<double>(count));
-    body(n,
-         cornersAt(v.shape, makeReal3(select(in, at.x, lit(2)), select(in, at.y, lit(2)), select(in, at.z, lit(2)))), in);
+    body(n, cornersAt(v.shape, makeReal3(select(in, at.x, lit(2)), select(in, at.y, lit(2)), select(in, at.z, lit(2)))), in);
   }
 }
 // Calls spread(lane, node, low, high) for the lanes of the mask. `node`: first corner; `low`, `high`: weights of the four corners of
@@ -537,9 +527,8 @@ inline real sampledNumber(const GridShape& s, const Scalar* nodes, const Corners
   return interpolated(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], corners.part);
 }
 inline void sampleNumbersPass(const SplatView<Scalar>& v, size_t begin, size_t end, const Scalar* nodes, Scalar* out) {
-  eachInGrid(v, begin, end, [&](size_t n, const Corners& corners, const mask&) {
-    storeAt(sampledNumber(v.shape, nodes, corners), out + n);
-  });
+  eachInGrid(v, begin, end,
+             [&](size_t n, const Corners& corners, const mask&) { storeAt(sampledNumber(v.shape, nodes, corners), out + n); });
 }
 inline void crowdPass(const SplatView<Scalar>& v, size_t begin, size_t end, const CrowdView<Scalar>& crowd, int32_t* nodes) {
   const size_t y = v.shape.row(), z = v.shape.layer();
@@ -576,9 +565,8 @@ inline void alongBox(const GridShape& s, int numbers, const NodeBox& box, int k,
 }
 inline void blurPass(const GridShape& s, int numbers, int axis, const NodeBox& box, const Scalar* in, Scalar* out, int k) {
   const size_t next = s.next(axis) * static_cast<size_t>(numbers);
-  alongBox(s, numbers, box, k, [&](size_t c) {
-    storeAt(blurred(loadAt(in + c - next), loadAt(in + c), loadAt(in + c + next)), out + c);
-  });
+  alongBox(s, numbers, box, k,
+           [&](size_t c) { storeAt(blurred(loadAt(in + c - next), loadAt(in + c), loadAt(in + c + next)), out + c); });
 }
 // density^(-1/2) of nodes with hair.
 inline real thinAt(const HairView<Scalar>& h, const mask& hairy, size_t c) {
@@ -627,12 +615,10 @@ inline void eachSampled(const GridShape& s, const Scalar* nodes, const Scalar* p
     const Scalar* at = places + first;
     const Corners corners = cornersAt(s, makeReal3(loadAt(at), loadAt(at + stride), loadAt(at + 2 * stride)));
     const CornerParts parts(corners.part);
-    for (size_t lane = 0; lane < lanes; ++lane)
-      out(first + lane, sampled(s, nodes, corners, parts, static_cast<int>(lane)));
+    for (size_t lane = 0; lane < lanes; ++lane) out(first + lane, sampled(s, nodes, corners, parts, static_cast<int>(lane)));
   }
 }
-inline void samplePass(const GridShape& s, const Scalar* nodes, const Scalar* places, size_t stride, size_t count,
-                       Scalar* out) {
+inline void samplePass(const GridShape& s, const Scalar* nodes, const Scalar* places, size_t stride, size_t count, Scalar* out) {
   eachSampled(s, nodes, places, stride, count, [&](size_t n, const quads::real& value) { quads::store(value, out + 4 * n); });
 }
 inline void changePass(const SplatView<Scalar>& v, const Scalar* nodes, size_t begin, size_t end, Scalar* out) {
@@ -642,8 +628,10 @@ inline void changePass(const SplatView<Scalar>& v, const Scalar* nodes, size_t b
 }
 
 inline GridPasses<Scalar> passes() {
-  return {"", &distancesPass, &centrePass, &displacePass, &advectPass, &correctPass, &diffusePass, &exchangePass,
-          &exchangeAmongPass, &fastestPass, &outflowPass, &smoothPass, &residualPass, &restrictPass, &prolongPass, &applyPass, &advancePass,
-          &dotPass, &turnPass, &subtractGradientPass, &placePass, &splatPass, &sampleNumbersPass, &crowdPass, &blurPass,
-          &spreadPass, &forcesPass, &samplePass, &changePass};
+  return {"",           &distancesPass, &centrePass,        &displacePass,      &advectPass,
+          &correctPass, &diffusePass,   &exchangePass,      &exchangeAmongPass, &fastestPass,
+          &outflowPass, &smoothPass,    &residualPass,      &restrictPass,      &prolongPass,
+          &applyPass,   &advancePass,   &dotPass,           &turnPass,          &subtractGradientPass,
+          &placePass,   &splatPass,     &sampleNumbersPass, &crowdPass,         &blurPass,
+          &spreadPass,  &forcesPass,    &samplePass,        &changePass};
 }

@@ -29,8 +29,8 @@ struct HairLayout {
 /// Extrapolates the pose of the head, which carries the hair grid, from step to step.
 class HeadExtrapolation {
  public:
-  /// Pose after the part extrapolationShare() of the step from `begin` to `end`, extrapolated with the motion of the
-  /// last step. Returns `begin` where the last call did not end there, as after steps without air.
+  /// Pose after the part extrapolationShare() of the step from `begin` to `end`, extrapolated with the motion
+  /// of the last step. Returns `begin` where the last call did not end there, as after steps without air.
   Pose ahead(const Pose& begin, const Pose& end);
   /// The head was teleported: the last motion is discarded.
   void forget() { known_ = false; }

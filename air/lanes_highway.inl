@@ -3,12 +3,8 @@
 HWY_INLINE real loadAt(const Scalar* p) { return {hn::LoadU(Tag(), p)}; }
 HWY_INLINE void storeAt(real value, Scalar* p) { hn::StoreU(value.v, Tag(), p); }
 // Interleaved access: four numbers per lane.
-HWY_INLINE void loadFours(const Scalar* p, real* out) {
-  hn::LoadInterleaved4(Tag(), p, out[0].v, out[1].v, out[2].v, out[3].v);
-}
-HWY_INLINE void storeFours(const real* in, Scalar* p) {
-  hn::StoreInterleaved4(in[0].v, in[1].v, in[2].v, in[3].v, Tag(), p);
-}
+HWY_INLINE void loadFours(const Scalar* p, real* out) { hn::LoadInterleaved4(Tag(), p, out[0].v, out[1].v, out[2].v, out[3].v); }
+HWY_INLINE void storeFours(const real* in, Scalar* p) { hn::StoreInterleaved4(in[0].v, in[1].v, in[2].v, in[3].v, Tag(), p); }
 // Interleaved access: two numbers per lane.
 HWY_INLINE void loadTwos(const Scalar* p, real* out) { hn::LoadInterleaved2(Tag(), p, out[0].v, out[1].v); }
 HWY_INLINE void storeTwos(const real* in, Scalar* p) { hn::StoreInterleaved2(in[0].v, in[1].v, Tag(), p); }
@@ -118,8 +114,7 @@ HWY_INLINE void transposed(const Of& of, real* out) {
   auto every_fourth = [&](int lane) {
 #if HWY_MAX_BYTES >= 64
     const hn::FixedTag<float, 8> half;
-    return hn::Combine(tag, hn::Combine(half, of(lane + 12).v, of(lane + 8).v),
-                       hn::Combine(half, of(lane + 4).v, of(lane).v));
+    return hn::Combine(tag, hn::Combine(half, of(lane + 12).v, of(lane + 8).v), hn::Combine(half, of(lane + 4).v, of(lane).v));
 #elif HWY_MAX_BYTES >= 32
     return hn::Combine(tag, of(lane + 4).v, of(lane).v);
 #else

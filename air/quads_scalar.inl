@@ -6,8 +6,8 @@ struct real {
 struct mask {
   bool v[4];
 };
-#define STRANDCAST_EACH(expression) \
-  real out;                         \
+#define STRANDCAST_EACH(expression)                  \
+  real out;                                          \
   for (int c = 0; c < 4; ++c) out.v[c] = expression; \
   return out;
 inline real lit(double value) { STRANDCAST_EACH(static_cast<Scalar>(value)) }

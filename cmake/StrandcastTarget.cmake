@@ -76,7 +76,7 @@ endfunction()
 include(GoogleTest)
 
 # strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...] [ENVIRONMENT A=b ...] [FILTER pattern] [ON_NETWORK]
-# [COMPILES_SHADERS cost] [RUN_SERIAL] [WHOLE]): a GoogleTest program. Each test case is one entry of ctest, NAME.SUITE.CASE.
+# [COMPILES_SHADERS cost] [RUN_SERIAL] [WHOLE pattern]): a GoogleTest program. Each test case is one entry of ctest, NAME.SUITE.CASE.
 # ctest finds the cases when it starts.
 # TIMEOUT: of one entry, 120 s by default; sanitizers triple it.
 # LABELS: "threads" runs under the thread sanitizer; the target thread_tests builds all of these. The target quick_tests, for the
@@ -84,11 +84,11 @@ include(GoogleTest)
 # and sources (reads only the project's files). Every entry also has the label NAME.
 # FILTER: a --gtest_filter; other cases are no entries.
 # ON_NETWORK: entries run one at a time and start first, because they mostly wait.
-# COMPILES_SHADERS: llvmpipe compiles shaders of the rod for minutes. Entries run one at a time, highest cost first, so that later
-# ones find common shaders in Mesa's disk cache.
-# WHOLE: one entry, NAME, for all cases, because their common set-up takes longer than they do.
+# WHOLE: one entry, NAME, for all cases that match this --gtest_filter, because their common set-up takes longer than they do.
+# COMPILES_SHADERS: in the entry of WHOLE llvmpipe compiles shaders of the rod for minutes. Such entries run one at a time, highest
+# cost first, so that later ones find common shaders in Mesa's disk cache.
 function(strandcast_test name)
-  cmake_parse_arguments(ARG "ON_NETWORK;RUN_SERIAL;WHOLE" "TIMEOUT;COMPILES_SHADERS;FILTER" "SOURCES;LINK;LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "ON_NETWORK;RUN_SERIAL" "TIMEOUT;COMPILES_SHADERS;FILTER;WHOLE" "SOURCES;LINK;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -106,16 +106,19 @@ function(strandcast_test name)
   set(properties TIMEOUT ${ARG_TIMEOUT})
   if(ARG_ON_NETWORK)
     list(APPEND properties RESOURCE_LOCK network COST 1000)
-  elseif(ARG_COMPILES_SHADERS AND STRANDCAST_GL)
-    list(APPEND properties RESOURCE_LOCK shaders COST ${ARG_COMPILES_SHADERS})
   endif()
   if(ARG_RUN_SERIAL)
     list(APPEND properties RUN_SERIAL ON)
   endif()
   if(ARG_WHOLE)
-    add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+    add_test(NAME ${name} COMMAND ${name} --gtest_filter=${ARG_WHOLE} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
     set_tests_properties(${name} PROPERTIES ${properties} LABELS "${labels}" ENVIRONMENT "${ARG_ENVIRONMENT}")
-  else()
+    if(ARG_COMPILES_SHADERS)
+      set_tests_properties(${name} PROPERTIES RESOURCE_LOCK shaders COST ${ARG_COMPILES_SHADERS})
+    endif()
+    string(APPEND ARG_FILTER "-${ARG_WHOLE}")
+  endif()
+  if(NOT ARG_WHOLE STREQUAL "*")
     gtest_discover_tests(${name}
       TEST_PREFIX ${name}.
       TEST_FILTER "${ARG_FILTER}"

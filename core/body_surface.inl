@@ -21,9 +21,9 @@ inline void keep(const real3& v, Scalar (&out)[3]) {
 // A primitive at the end of a substep, the same for all lanes. `time`: fraction of the step that has passed, 0 to 1.
 struct SubstepBody {
   PrimitiveKind kind;
-  Scalar a[3], b[3];      // m
-  Scalar a_motion[3];     // m, displacement of a over the substep
-  Scalar turn[3];         // radians, rotation vector over the substep, about a
+  Scalar a[3], b[3];   // m
+  Scalar a_motion[3];  // m, displacement of a over the substep
+  Scalar turn[3];      // radians, rotation vector over the substep, about a
   Scalar radius, radius_b, extent[3];
   Scalar rotation[4];     // x y z w; only of kinds that rotate
   Scalar middle[3];       // m, centre of the bounding ball; not of planes
@@ -97,15 +97,15 @@ struct FieldLookup {
   FieldGrid grid;
   FieldPlace place;
   word entries;  // entries of the brick index
-  real side;      // as FieldCorners::side
+  real side;     // as FieldCorners::side
 };
 // Only of `lanes`; the other lanes get an outside brick.
 inline FieldLookup sampleField(const SubstepBody& body, const real3& x, const mask& lanes) {
   FieldLookup found;
   std::memcpy(&found.grid, body.words + body.data, sizeof found.grid);
   const FieldGrid& grid = found.grid;
-  found.place = fieldPlace(x, fill3(grid.origin), lit(grid.cell),
-                          makeReal3(lit(grid.bricks[0]), lit(grid.bricks[1]), lit(grid.bricks[2])));
+  found.place =
+      fieldPlace(x, fill3(grid.origin), lit(grid.cell), makeReal3(lit(grid.bricks[0]), lit(grid.bricks[1]), lit(grid.bricks[2])));
   const word bricks = select(lanes, toInt(found.place.brick), splat(0));
   found.entries = select(lanes, wordAt(body.words + grid.index, bricks), splat(static_cast<int32_t>(kOutsideBrick)));
   const real entry = realOf(found.entries);
@@ -175,8 +175,9 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
       pairs[c] = wordAtByte(body.words + grid.samples, firstByte(brick) + cell + splat(static_cast<int32_t>(2 * n)));
     }
   }
-  FieldCorners at{lowHalves(pairs[0]), highHalves(pairs[0]), lowHalves(pairs[1]), highHalves(pairs[1]),
-                  lowHalves(pairs[2]), highHalves(pairs[2]), lowHalves(pairs[3]), highHalves(pairs[3]), found.side};
+  FieldCorners at{lowHalves(pairs[0]),  highHalves(pairs[0]), lowHalves(pairs[1]),
+                  highHalves(pairs[1]), lowHalves(pairs[2]),  highHalves(pairs[2]),
+                  lowHalves(pairs[3]),  highHalves(pairs[3]), found.side};
   if (anyTrue(inside)) {
     const uint32_t row = grid.bricks[0] + 1, slice = row * (grid.bricks[1] + 1);
     const word corner = select(inside, toInt(found.place.corner), splat(0));
@@ -186,8 +187,7 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
       *values[c] = select(inside, floatOf(wordAt(body.words + grid.corners + n, corner)), *values[c]);
     }
   }
-  const real distance =
-      fieldDistance(found.place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, out.normal);
+  const real distance = fieldDistance(found.place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, out.normal);
   out.normal = select(outside, none, out.normal);
   out.least = select(outside, out.least, distance);
   out.distance = select(outside, beyond, distance);
@@ -242,9 +242,12 @@ inline SurfacePoint bentSurfaceAt(const SubstepBody& body, const real3& x, const
     return out;
   }
   real3 normal;
-  if (body.kind == PrimitiveKind::kEllipsoid) out.distance = ellipsoidDistance(local, spread(body.extent), normal);
-  else if (body.kind == PrimitiveKind::kBox) out.distance = boxDistance(local, spread(body.extent), normal);
-  else out.distance = convexDistance(body, local, normal);
+  if (body.kind == PrimitiveKind::kEllipsoid)
+    out.distance = ellipsoidDistance(local, spread(body.extent), normal);
+  else if (body.kind == PrimitiveKind::kBox)
+    out.distance = boxDistance(local, spread(body.extent), normal);
+  else
+    out.distance = convexDistance(body, local, normal);
   out.least = out.distance;
   out.even = lit(0);
   out.normal = rotate(rotation, normal);
@@ -265,9 +268,12 @@ inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const rea
   } else {
     const real3 b = spread(body.b);
     real along;
-    if (body.kind == PrimitiveKind::kPlane) out.distance = planeDistance(x, a, b, out.normal);
-    else if (body.kind == PrimitiveKind::kCapsule) out.distance = capsuleDistance(x, a, b, radius, out.normal, along);
-    else out.distance = taperedCapsuleDistance(x, a, b, radius, lit(body.radius_b), out.normal, along);
+    if (body.kind == PrimitiveKind::kPlane)
+      out.distance = planeDistance(x, a, b, out.normal);
+    else if (body.kind == PrimitiveKind::kCapsule)
+      out.distance = capsuleDistance(x, a, b, radius, out.normal, along);
+    else
+      out.distance = taperedCapsuleDistance(x, a, b, radius, lit(body.radius_b), out.normal, along);
   }
   out.least = out.distance;
   return out;

@@ -4,17 +4,25 @@
 class ContactQueryBatch {
  public:
   struct Query {
-    real3 x, x_start;  // m, query point, and position at the start of the substep
-    real way, travelled;    // m, relative travel between the two, and travel before, see NearBodies
-    real others;       // m, least separation bound of the bodies that need no query
-    real clear;        // m, clearance
+    real3 x, x_start;     // m, query point, and position at the start of the substep
+    real way, travelled;  // m, relative travel between the two, and travel before, see NearBodies
+    real others;          // m, least separation bound of the bodies that need no query
+    real clear;           // m, clearance
   };
 
   int count() const { return count_; }
   /// Adds the query of row i in `lanes`. Precondition: count() < kLanes.
   void add(int i, const Query& query, const mask& lanes) {
-    const real columns[kColumns] = {query.x.x, query.x.y, query.x.z, query.x_start.x, query.x_start.y, query.x_start.z,
-                                    query.way, query.travelled, query.others, query.clear,
+    const real columns[kColumns] = {query.x.x,
+                                    query.x.y,
+                                    query.x.z,
+                                    query.x_start.x,
+                                    query.x_start.y,
+                                    query.x_start.z,
+                                    query.way,
+                                    query.travelled,
+                                    query.others,
+                                    query.clear,
                                     lit(static_cast<double>(i) * kLanes) + laneNumbers()};
     const Packing together = packing(lanes);
     for (int c = 0; c < kColumns; ++c) compressStore(columns[c], together, columns_[c] + count_);
@@ -27,8 +35,12 @@ class ContactQueryBatch {
       columns[c] = load(columns_[c]);
       store(load(columns_[c] + kLanes), columns_[c]);
     }
-    query = {{columns[0], columns[1], columns[2]}, {columns[3], columns[4], columns[5]},
-            columns[6], columns[7], columns[8], columns[9]};
+    query = {{columns[0], columns[1], columns[2]},
+             {columns[3], columns[4], columns[5]},
+             columns[6],
+             columns[7],
+             columns[8],
+             columns[9]};
     storeAsInt(columns[kColumns - 1], numbers);
     const int taken = std::min(count_, kLanes);
     count_ -= taken;

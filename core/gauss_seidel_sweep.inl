@@ -39,7 +39,8 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       const real3 x = load3(b.position, i);
       store3(x, start, i);
       const real3 pulled = b.acceleration != nullptr ? gravity + accelerationOf(b, i) : gravity;
-      const real keep = grooming.on() ? grooming.keep(i) : lit(drag.keep), time2 = grooming.on() ? grooming.time2(i) : lit(drag.time2);
+      const real keep = grooming.on() ? grooming.keep(i) : lit(drag.keep),
+                 time2 = grooming.on() ? grooming.time2(i) : lit(drag.time2);
       real3 free = predictPosition(x, load3(b.velocity, i), pulled, wind, keep, lit(h), time2);
       const real3 held = heldPoint(b, root, i, time);
       if (grooming.on()) free = drawnToGoal(free, held, grooming.rate(i), time2);
@@ -67,9 +68,8 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
           real3 a = load3(b.position, i), c = load3(b.position, i + 1);
           real3 before = a - root_tangent;  // the root frame acts as an edge before the first one
           if (i > 0) before = load3(b.position, i - 1);
-          solveAngular(before, a, c, i > 0 ? inverseMass(b, i - 1) : lit(0), inverseMass(b, i),
-                       inverseMass(b, i + 1), load3(target, i),
-                       lit(strength_root + along * (strength_tip - strength_root)));
+          solveAngular(before, a, c, i > 0 ? inverseMass(b, i - 1) : lit(0), inverseMass(b, i), inverseMass(b, i + 1),
+                       load3(target, i), lit(strength_root + along * (strength_tip - strength_root)));
           if (i > 0) store3(before, b.position, i - 1);
           store3(a, b.position, i);
           store3(c, b.position, i + 1);
@@ -102,15 +102,13 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
           const mask touches = plane.gap < lit(0) && inverseMass(b, i) > lit(0.5);
           if (!anyTrue(touches)) continue;
           real3 force = zero;
-          const real3 out =
-              resolveContact(reached, plane.carried, plane.normal, plane.gap, plane.friction, lit(1), force);
+          const real3 out = resolveContact(reached, plane.carried, plane.normal, plane.gap, plane.friction, lit(1), force);
           store3(select(touches, out, reached), b.position, i);
         }
       }
     }
 
     const StepScope scope{StepPart::kVelocities};
-    for (int i = 0; i < n; ++i)
-      store3((load3(b.position, i) - load3(start, i)) * lit(1 / h), b.velocity, i);
+    for (int i = 0; i < n; ++i) store3((load3(b.position, i) - load3(start, i)) * lit(1 / h), b.velocity, i);
   }
 }

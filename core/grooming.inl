@@ -37,9 +37,11 @@ class Grooming {
   bool on() const { return on_; }
 
   real keep(int i) const { return load(row(kKeep, i)); }
-  real time2(int i) const { return load(row(kTime2, i)); }    // s^2, see DragStep
-  real rate(int i) const { return load(row(kRate, i)); }      // 1/s, of the goal pull; 0 if pinned
-  real mass(int i) const { return load(row(kMassWith, i)); }  // effective: for forces times the usual time2, with the goal's stiffness
+  real time2(int i) const { return load(row(kTime2, i)); }  // s^2, see DragStep
+  real rate(int i) const { return load(row(kRate, i)); }    // 1/s, of the goal pull; 0 if pinned
+  real mass(int i) const {
+    return load(row(kMassWith, i));
+  }  // effective: for forces times the usual time2, with the goal's stiffness
   real weight(int i) const { return load(row(kWeightWith, i)); }
   // Right-hand side of the rod's bending system for vertex i at `shift` in this substep, without internal forces.
   // `way`: displacement by gravity, wind and external forces with the usual air drag, less RodStep::jump_, without goal

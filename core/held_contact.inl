@@ -6,14 +6,15 @@
 // Row of a vertex that some lane has near a body, in the elimination of the bending matrix with held vertices
 // prescribed. Forces are in units of length x mass.
 struct RodStep::HeldRow {
-  real3 push;              // m, from the vertex to its position on the surface (positionOnSurface)
-  real3 force;             // contact force at the start of the substep
-  real3 load;              // change of that force if the vertex is not held
-  real3 reaction;          // change of that force if it is held
-  real3 moved, right;      // displacement without that of vertices farther in; right-hand side
-  real compliance, own, across, second;  // inverse diagonal, 0 if prescribed; diagonal; couplings to the next two vertices inwards
-  real held;               // 1 if held, otherwise 0
-  real3 kept_friction;              // friction that is kept, see positionOnSurface()
+  real3 push;          // m, from the vertex to its position on the surface (positionOnSurface)
+  real3 force;         // contact force at the start of the substep
+  real3 load;          // change of that force if the vertex is not held
+  real3 reaction;      // change of that force if it is held
+  real3 moved, right;  // displacement without that of vertices farther in; right-hand side
+  real compliance, own, across,
+      second;           // inverse diagonal, 0 if prescribed; diagonal; couplings to the next two vertices inwards
+  real held;            // 1 if held, otherwise 0
+  real3 kept_friction;  // friction that is kept, see positionOnSurface()
   real follows, friction;
 };
 
@@ -43,8 +44,9 @@ inline void RodStep::findContact(int i, const real3& shift, const real3& moved) 
   const ContactPlane plane = near_.deepestPlane(i, x);
   const mask touches = near && (plane.gap < lit(0) || pressed_before), held = touches && plane.gap < contactReach();
   HeldRow& row = heldRow(i);
-  row.push = positionOnSurface(x, plane.carried, moved, plane.normal, plane.gap, plane.friction, select(near, weight(i), lit(1)), before,
-                       row.follows, row.kept_friction) - x;
+  row.push = positionOnSurface(x, plane.carried, moved, plane.normal, plane.gap, plane.friction, select(near, weight(i), lit(1)),
+                               before, row.follows, row.kept_friction) -
+             x;
   row.force = before;
   row.load = select(touches && !held, zero - before, zero);
   row.held = select(held, lit(1), lit(0));
@@ -112,7 +114,8 @@ inline void RodStep::findContact(int i, const real3& shift, const real3& moved) 
     const HeldRow& row = heldRow(i);
     set3(kShift, i, get3(kShift, i) + select(in_contact_, row.moved, zero));
     if (!has_normal_[i]) continue;
-    const real3 normal = get3(kNormal, i), force = heldForce(row.force, row.reaction, row.follows, row.kept_friction, normal, row.friction);
+    const real3 normal = get3(kNormal, i),
+                force = heldForce(row.force, row.reaction, row.follows, row.kept_friction, normal, row.friction);
     const mask held = row.held > lit(0);
     store3(select(held, force, row.load + row.force), b.contact, i);
     set3(kNormal, i, select(held, normal, zero));

@@ -190,7 +190,7 @@ class NearBodies {
 
  private:
   static constexpr size_t kMost = 64;
-  static constexpr double kFarOff = 0.01;       // m, more than most vertices travel in a step
+  static constexpr double kFarOff = 0.01;      // m, more than most vertices travel in a step
   static_assert(kPlacedBodies % kLanes == 0);  // bounds are read as vectors
 
   const MovingPrimitive& body(size_t i) const { return bodies_[all_ ? candidate(i) : near_[i]]; }
@@ -225,7 +225,8 @@ class NearBodies {
     return sum;
   }
   // clearanceInReach() of the vertices `numbers` (row x kLanes + lane), of `lanes`, for a body with these root depths.
-  [[gnu::noinline]] real clearInReach(const real& clear, const Scalar* root_depths, const uint32_t* numbers, const mask& lanes) const {
+  [[gnu::noinline]] real clearInReach(const real& clear, const Scalar* root_depths, const uint32_t* numbers,
+                                      const mask& lanes) const {
     alignas(64) Scalar depths[kLanes] = {}, arcs[kLanes] = {};
     forLanes(lanes, [&](int lane) {
       const size_t i = numbers[lane] / kLanes, strand = numbers[lane] % kLanes;
@@ -260,8 +261,15 @@ class NearBodies {
   // Rows of the contact cache. kTravelled: travel since the start of the step; kNearest: least separation bound;
   // kQueryPoint: newest query point. Per plane: normal, normal . point of the plane, ContactPlane::carried, friction.
   enum ContactRow : int {
-    kTravelled, kNearest, kQueryPoint, kPlanes = kQueryPoint + 3,
-    kNormal = kPlanes, kOffset = kNormal + 3, kCarried, kFriction = kCarried + 3, kPlanesEnd
+    kTravelled,
+    kNearest,
+    kQueryPoint,
+    kPlanes = kQueryPoint + 3,
+    kNormal = kPlanes,
+    kOffset = kNormal + 3,
+    kCarried,
+    kFriction = kCarried + 3,
+    kPlanesEnd
   };
   static constexpr int kPlaneRows = kPlanesEnd - kPlanes, kMostPlanes = 2;
   static_assert(kPlanes + kMostPlanes * kPlaneRows == kContactPlanes);
@@ -418,8 +426,10 @@ class NearBodies {
       Motion* known = nullptr;
       for (size_t m = 0; m < motions_ && known == nullptr; ++m)
         if (difference(motion_[m], own) < kAlike) known = &motion_[m];
-      if (known != nullptr) known->slack = std::max(known->slack, own.slack + difference(*known, own));
-      else motion_[motions_++] = own;
+      if (known != nullptr)
+        known->slack = std::max(known->slack, own.slack + difference(*known, own));
+      else
+        motion_[motions_++] = own;
     }
   }
 
@@ -430,8 +440,7 @@ class NearBodies {
     for (int e = 0; e + 1 < b.vertices; ++e) {
       const real3 edge = load3(b.position, e + 1) - load3(b.position, e);
       const real length = load(b.rest_length + at(0, e));
-      const quat frame = {load(b.frame + at(0, e)), load(b.frame + at(1, e)), load(b.frame + at(2, e)),
-                          load(b.frame + at(3, e))};
+      const quat frame = {load(b.frame + at(0, e)), load(b.frame + at(1, e)), load(b.frame + at(2, e)), load(b.frame + at(3, e))};
       const real along = dot(edge, frameTangent(frame));
       const mask off = along < length * lit(0.9) || dot(edge, edge) > length * length * lit(1.02);
       if (anyTrue(off)) return false;
@@ -459,13 +468,13 @@ class NearBodies {
     const Parameters& parameters = *input.parameters;
     const double dt = parameters.time_step;
     const double pulled = parameters.gravity.norm() + 2 * parameters.air_drag * parameters.wind.norm();  // m/s^2
-    const double blown = b.grooming != nullptr ? parameters.wind.norm() * dt : 0;  // m, with any drag
+    const double blown = b.grooming != nullptr ? parameters.wind.norm() * dt : 0;                        // m, with any drag
     // Fraction of the distance to their goals, which is at most twice their length plus the root's displacement.
     const double drawn = std::min(1.0, 0.5 * std::pow(parameters.goal_rate * dt, 2));
     // 4 sqrt(1 - cosine) is an upper bound of the rotation angle.
     const real swung = sqrt(lit(1) - cosine) * lit(4) * length;
     real far = lit(2) * (sqrt(speed2) * lit(dt) + sqrt(dot(moved, moved)) + swung + length * lit(2 * drawn) +
-                          lit(0.5 * dt * dt * pulled + blown));
+                         lit(0.5 * dt * dt * pulled + blown));
     if (b.acceleration != nullptr) far = madd(sqrt(pushed2), lit(dt * dt), far);
     low = {low.x - far, low.y - far, low.z - far};
     high = {high.x + far, high.y + far, high.z + far};
@@ -513,7 +522,7 @@ class NearBodies {
   bool known_roots_ = false;
   Scalar *rows_ = nullptr, *separation_bounds_ = nullptr;
   ContactQueryBatch queries_;
-  uint32_t queried_bodies_ = 0;  // bit mask of placed bodies that some queued query needs
+  uint32_t queried_bodies_ = 0;            // bit mask of placed bodies that some queued query needs
   uint8_t planes_[kMaxVerticesPerStrand];  // contact planes that any lane of the vertex has in this substep
   const StepInput* input_ = nullptr;
   double time_ = 0;

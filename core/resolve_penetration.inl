@@ -37,8 +37,8 @@ inline real3 RodStep::resolvePenetration(int i, const real3& shift, const real3&
       const mask two = deep && near_.hasTwoContactPlanes(i);
       if (!anyTrue(two)) return best;
       const ContactPlane one = near_.plane(0, i, best), other = near_.plane(1, i, best);
-      x = select(two, rotatedIntoCrease(best, inner, one.carried, one.normal, one.gap, other.carried, other.normal,
-                                       other.gap, edge), x);
+      x = select(
+          two, rotatedIntoCrease(best, inner, one.carried, one.normal, one.gap, other.carried, other.normal, other.gap, edge), x);
       continue;
     }
     const real3 turned =

@@ -17,16 +17,16 @@
 // represented by their shifts since the substep began, which are small: rounding of positions would act as motion, and
 // strands at rest would do a random walk.
 enum RodScratch : int {
-  kShift = 0,         // 3
-  kTangent = 3,       // 3, of an edge; later of the length system
-  kStrain = 6,        // 3, of a joint; later the right-hand sides of bending
-  kShared = kStrain,  // 3, of an edge: its share of what exact lengths miss between pins, m
-  kNormal = 9,        // 3, of the contact plane at a vertex
-  kGained = 12,       // 3, bending strain that internal damping adds, per substep of the damping time
-  kResidual = kGained,     // length residuals of the dense metric
-  kConjugate,              // search direction of conjugate gradients
-  kCorrection,             // preconditioned residual
-  kFactor1 = 15,      // elimination factors: of twist, later of bending
+  kShift = 0,           // 3
+  kTangent = 3,         // 3, of an edge; later of the length system
+  kStrain = 6,          // 3, of a joint; later the right-hand sides of bending
+  kShared = kStrain,    // 3, of an edge: its share of what exact lengths miss between pins, m
+  kNormal = 9,          // 3, of the contact plane at a vertex
+  kGained = 12,         // 3, bending strain that internal damping adds, per substep of the damping time
+  kResidual = kGained,  // length residuals of the dense metric
+  kConjugate,           // search direction of conjugate gradients
+  kCorrection,          // preconditioned residual
+  kFactor1 = 15,        // elimination factors: of twist, later of bending
   kFactor2 = 16,
   kBlend = kFactor2,  // time blend of an edge, until the elimination of bending
   kPivot = 17,        // inverse pivots of bending
@@ -34,7 +34,7 @@ enum RodScratch : int {
   kSoftness = 19,     // of a vertex, see curlSoftness()
   kStiffness = 20,    // of a joint, see bendMatrixStiffness()
   kLengthFactor = kStiffness,
-  kMargin = 21,       // of a joint, see bendMatrixMargin()
+  kMargin = 21,            // of a joint, see bendMatrixMargin()
   kLengthPivot = kMargin,  // inverse pivots of lengths
   kRodScratchPlanes = 22
 };
@@ -115,7 +115,9 @@ class RodStep {
   size_t row(int plane, int i) const { return (static_cast<size_t>(i) * kRodScratchPlanes + plane) * kLanes; }
   real state(const Scalar* planes, int plane, int i) const { return load(planes + at(plane, i)); }
   template <class Rows>
-  real3 state3(const Rows& rows, int i) const { return load3(rows, i); }
+  real3 state3(const Rows& rows, int i) const {
+    return load3(rows, i);
+  }
   quat state4(const Scalar* planes, int i) const {
     return {state(planes, 0, i), state(planes, 1, i), state(planes, 2, i), state(planes, 3, i)};
   }
@@ -207,27 +209,27 @@ class RodStep {
   const double h;
   double keep_ = 1, time2_ = 0;  // see DragStep
   bool damped_ = false;
-  real ahead_;  // damping time in substeps, without factors of joints
+  real ahead_;               // damping time in substeps, without factors of joints
   real root_spin_ = lit(0);  // radians, rotation of the root about its tangent in this substep
   RootFrame begin_, end_;
-  quat frame_;          // of the root after the last substep
+  quat frame_;  // of the root after the last substep
 
-  RootFrame root_;      // at the end of this substep
-  quat inner_frame_;    // of the root, without the swing of its tangent in this substep
+  RootFrame root_;             // at the end of this substep
+  quat inner_frame_;           // of the root, without the swing of its tangent in this substep
   real3 tangent_old_, swing_;  // root tangent before the substep, and its change
-  real3 jump_;          // m, displacement of the root beyond its velocity
+  real3 jump_;                 // m, displacement of the root beyond its velocity
   // Per vertex among bodies: whether some lane has a contact force, and a contact normal in this substep. Most have
   // none.
   bool has_force_[kMaxVerticesPerStrand], has_normal_[kMaxVerticesPerStrand];
   mask kinked_, cut_unevenly_;  // strands for which isKinked() and isCutUnevenly() hold
   mask between_pins_, taut_;    // strands with a free vertex before a pinned one; of these the taut ones, see isTaut()
-  real stiffest_;  // greatest stiffness ratio kappa of a strand, see stiffnessOf()
-  real correction_limit_;     // see correctionLimit()
+  real stiffest_;               // greatest stiffness ratio kappa of a strand, see stiffnessOf()
+  real correction_limit_;       // see correctionLimit()
   mask in_length_pass_;  // strands whose lengths are solved in this pass: first all, then those that need the second length pass
-  mask near_contact_;  // strands with a vertex that a body is near in this substep or has pressed
-  real nearness_;  // nearness() of the nearest body to any vertex of the strand in this substep
-  mask in_contact_;  // strands with a vertex that a body presses or has pressed
-  real most_tension_;   // bound on the tension that is kept between substeps, see tensionBound()
+  mask near_contact_;    // strands with a vertex that a body is near in this substep or has pressed
+  real nearness_;        // nearness() of the nearest body to any vertex of the strand in this substep
+  mask in_contact_;      // strands with a vertex that a body presses or has pressed
+  real most_tension_;    // bound on the tension that is kept between substeps, see tensionBound()
 };
 
 // Notes which vertices have a contact force at the start of the step.
@@ -276,8 +278,8 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real3 edge = old + advance;
     const real il = inverseLength(e);
     const real3 unit = old * il;
-    const real kept = min(keptTension(state(b.tension, 0, e) * lit(time2_), advance * il, bend(e), il, lit(time2_)),
-                          most_tension_);
+    const real kept =
+        min(keptTension(state(b.tension, 0, e) * lit(time2_), advance * il, bend(e), il, lit(time2_)), most_tension_);
     store(kept, b.tension + at(0, e));
     const real kappa = select(cut_unevenly_, stiffest_, stiffnessOf(bend(e), il, lit(time2_), freeWeight(e)));
     const real blend = timeBlend(advance * il, unit - unit_before, kappa, kinked_);
@@ -436,7 +438,8 @@ inline real3 RodStep::collide(int i, const real3& shift) {
   if (!anyTrue(touches)) return shift;
   const ContactPlane plane = near_.deepestPlane(i, x);
   real3 force = before;
-  const real3 out = resolveContact(x, plane.carried, plane.normal, plane.gap, plane.friction, select(touches, weight(i), lit(1)), force);
+  const real3 out =
+      resolveContact(x, plane.carried, plane.normal, plane.gap, plane.friction, select(touches, weight(i), lit(1)), force);
   const mask presses = touches && (plane.gap < lit(0) || dot(force, force) > lit(0));
   store3(select(touches, force, before), b.contact, i);
   set3(kNormal, i, select(presses, plane.normal, normalAt(i)));
@@ -557,8 +560,10 @@ inline void RodStep::moveByForces() {
     set3(kShift, e + 1, shift);
     findContact(e + 1, shift, moved);
   }
-  if (anyTrue(in_contact_)) pressThroughBending();
-  else for (int i = 1; i < n; ++i) has_normal_[i] = false;
+  if (anyTrue(in_contact_))
+    pressThroughBending();
+  else
+    for (int i = 1; i < n; ++i) has_normal_[i] = false;
   moveAndEliminateLengths([&](int e) { return get3(kShift, e + 1); });
 }
 
@@ -715,6 +720,8 @@ inline real RodStep::finish(bool any_overshot) {
 inline void stepRod(const Block& b, const StepInput& input, Scalar* scratch) { RodStep(b, input, scratch).run(); }
 
 inline void stepBlock(const Block& b, const StepInput& input, Scalar* scratch) {
-  if (input.parameters->solver == SolverKind::kRod) stepRod(b, input, scratch);
-  else stepGaussSeidel(b, input, scratch);
+  if (input.parameters->solver == SolverKind::kRod)
+    stepRod(b, input, scratch);
+  else
+    stepGaussSeidel(b, input, scratch);
 }

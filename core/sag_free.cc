@@ -111,7 +111,7 @@ SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity,
   if (!(gravity.cwiseAbs().array() <= kStrongestGravity).all())
     throw Error("gravity is not finite or out of range", "makeSagFree",
                 fmt::format("give three numbers within +-{:g} m/s^2", kStrongestGravity));
-  constexpr double kGrowth = 1.5;       // of a strand's factor per trial
+  constexpr double kGrowth = 1.5;                 // of a strand's factor per trial
   constexpr size_t kStrandsPerProgressCall = 64;  // strands per call of `progress`
   std::vector<float> factors(model.strands());
   std::atomic<bool> goes_on{true};

@@ -43,8 +43,8 @@ using BodyId = uint64_t;
 /// other bones move with those bones.
 ///
 /// Input is validated: the constructor, setHeadPose, setBonePose, addBody, setBodyPose, setBodyBend,
-/// pullHair, setParameters, teleport and resumeFrom throw Error on values that are not finite, out of range or of
-/// the wrong size. On invalid input they leave the simulation unchanged. Not thread-safe.
+/// pullHair, setParameters, teleport and resumeFrom throw Error on values that are not finite, out of range
+/// or of the wrong size. On invalid input they leave the simulation unchanged. Not thread-safe.
 class Simulation {
  public:
   /// `backend` and `external_forces` must not have a model loaded yet; the simulation loads it. Throws Error
@@ -94,8 +94,8 @@ class Simulation {
 
   /// Pulls hair with a hand (HairPull) that closes at `from` and is at `to` from the next step on. Repeated
   /// calls with the same `from` and `radius` move the hand; other values close a new hand. `from` and `to`:
-  /// m, world, each coordinate within kMaxHandCoordinate; `radius`: 0 to 10 m; `rate`: 0 to 1000 1/s. Throws Error
-  /// if a number is out of range or not finite, or if the backend takes no accelerations.
+  /// m, world, each coordinate within kMaxHandCoordinate; `radius`: 0 to 10 m; `rate`: 0 to 1000 1/s. Throws
+  /// Error if a number is out of range or not finite, or if the backend takes no accelerations.
   void pullHair(const Vec3& from, float radius, const Vec3& to, float rate);
   /// Opens the hand: no pull from the next step on.
   void releaseHair() { pull_.reset(); }

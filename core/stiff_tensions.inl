@@ -14,8 +14,8 @@ inline void RodStep::eliminateTensions(const mask& strands) {
     const real3 t = get3(kTangent, e);
     const real3 edge = (state3(b.position, e + 1) - state3(b.position, e)) + (get3(kShift, e + 1) - get3(kShift, e));
     rows[e] = eliminateTension(outside, moves, get(kPivot, e), e > 0 ? get(kFactor1, e - 1) : lit(0),
-                            e > 1 ? get(kFactor2, e - 2) : lit(0), select(moves, t, zero), select(moves_in, t, zero),
-                            lengthResidualOf(e, dot(edge, t)), normalAt(e + 1));
+                               e > 1 ? get(kFactor2, e - 2) : lit(0), select(moves, t, zero), select(moves_in, t, zero),
+                               lengthResidualOf(e, dot(edge, t)), normalAt(e + 1));
   }
   real3 near = zero, far = zero;  // shifts of the next two vertices inwards
   real lambda = firstTension(outside);

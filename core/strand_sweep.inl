@@ -69,10 +69,10 @@ inline real3 heldPoint(const Block& b, const RootFrame& root, int i, double time
 
 // Contact plane: a body's surface as a vertex sees it in a substep.
 struct ContactPlane {
-  real gap;        // m, of the vertex to the plane, less its clearance; negative inside
-  real3 normal;    // unit, out of the body
-  real3 carried;   // m, where the surface has carried the point at which the vertex was
-  real friction;   // Coulomb coefficient of the body
+  real gap;       // m, of the vertex to the plane, less its clearance; negative inside
+  real3 normal;   // unit, out of the body
+  real3 carried;  // m, where the surface has carried the point at which the vertex was
+  real friction;  // Coulomb coefficient of the body
 };
 // Contact plane of a vertex at x with no body nearer than `reach`.
 inline ContactPlane noContact(const real3& x, const real& reach) { return {reach, makeReal3(lit(0), lit(0), lit(0)), x, lit(0)}; }
@@ -102,7 +102,7 @@ inline real3 carriedOf(const SubstepBody& body, const real3& point) {
 // plane there bounds the vertex. That plane has all of a convex body behind it. In a crease the segment may only graze
 // that side; so it counts only if x is deeper behind it than in the body.
 inline real closestContact(const SubstepBody& body, const real3& x, const real3& x_start, const real& clear, const real& reach,
-                 const mask& lanes, ContactPlane& plane) {
+                           const mask& lanes, ContactPlane& plane) {
   constexpr int kAdvances = 8;
   const real3 carried = carriedOf(body, x_start), way = x - carried;
   const real way2 = dot(way, way);

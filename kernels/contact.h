@@ -132,7 +132,8 @@ FN real exitArcLength(IN(real) root_depth) {
 }
 // Inverse of exitArcLength(): the depth, m, for this arc length.
 FN real depthForExitArc(IN(real) arc_length) {
-  return lit(0.5) * (sqrt(madd(arc_length * arc_length, lit(0.25), scalpRadiusEighth() * scalpRadiusEighth())) - scalpRadiusEighth());
+  return lit(0.5) *
+         (sqrt(madd(arc_length * arc_length, lit(0.25), scalpRadiusEighth() * scalpRadiusEighth())) - scalpRadiusEighth());
 }
 // Clearance from that body of a vertex at this arc length from the root, m: `clear`, reduced where the strand is too
 // short to have left the body.
@@ -184,7 +185,8 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(rea
   real pressure = max(held - gap * mass, lit(0)), kept = max(held - max(gap, lit(0)) * mass, lit(0));
   real3 drag = tangentialPart(force, normal), total;
   mask slides;
-  real3 out_x = withFriction(madd(normal, max(lit(0) - gap, lit(0)), x), carried, normal, pressure, friction, weight, drag, total, slides);
+  real3 out_x =
+      withFriction(madd(normal, max(lit(0) - gap, lit(0)), x), carried, normal, pressure, friction, weight, drag, total, slides);
   real3 sliding = madd(normal, kept, total * (kept / max(pressure, lit(1e-30))));
   force = select(slides, sliding, inFrictionCone(madd(normal, kept, drag), normal, friction));
   return out_x;
@@ -195,14 +197,14 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(rea
 // of x by forces. `follows`: share of the normal reaction that is kept for the next substep; `kept_friction`: friction that is
 // kept. At rest both are complete. The impulse that stops the strand's own velocity is not kept: impacts are not
 // warm-started.
-FN real3 positionOnSurface(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real3) normal, IN(real) gap, IN(real) friction, IN(real) weight,
-                   IN(real3) force, OUT(real) follows, OUT(real3) kept_friction) {
+FN real3 positionOnSurface(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real3) normal, IN(real) gap, IN(real) friction,
+                           IN(real) weight, IN(real3) force, OUT(real) follows, OUT(real3) kept_friction) {
   real mass = inverse(weight);
   follows = select(gap < lit(0), clamp(dot(moved, normal) * contactFollows() / min(gap, lit(-1e-12)), lit(0), lit(1)), lit(1));
   real3 drag = tangentialPart(force, normal), total;
   mask slides;
-  real3 place = withFriction(madd(normal, lit(0) - gap, x), carried, normal, max(dot(force, normal) - gap * mass, lit(0)), friction, weight,
-                             drag, total, slides);
+  real3 place = withFriction(madd(normal, lit(0) - gap, x), carried, normal, max(dot(force, normal) - gap * mass, lit(0)),
+                             friction, weight, drag, total, slides);
   kept_friction = select(slides, total, madd(tangentialPart(moved, normal), lit(0) - mass * contactFollows(), drag));
   return place;
 }
@@ -214,7 +216,8 @@ FN mask isReleased(IN(real3) force, IN(real3) reaction, IN(real3) normal) { retu
 // A vertex that is not held and moves deeper than its position on the surface becomes held.
 FN mask becomesHeld(IN(real3) push, IN(real3) moved, IN(real3) normal) { return dot(moved - push, normal) < lit(0) - lit(1e-7); }
 // Contact force of a held vertex to keep for the next substep, docs/solver.md (28).
-FN real3 heldForce(IN(real3) force, IN(real3) reaction, IN(real) follows, IN(real3) kept_friction, IN(real3) normal, IN(real) friction) {
+FN real3 heldForce(IN(real3) force, IN(real3) reaction, IN(real) follows, IN(real3) kept_friction, IN(real3) normal,
+                   IN(real) friction) {
   return inFrictionCone(madd(normal, dot(madd(reaction, follows, force), normal), kept_friction), normal, friction);
 }
 
@@ -244,7 +247,7 @@ FN real3 rotatedOntoPlane(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(rea
 // along their crease where it is now. If the edge is too short for that, the end remains inside both in proportion to
 // the rises that they ask for.
 FN real3 rotatedIntoCrease(IN(real3) x, IN(real3) inner, IN(real3) first_carried, IN(real3) first, IN(real) first_gap,
-                          IN(real3) second_carried, IN(real3) second, IN(real) second_gap, IN(real) edge_length) {
+                           IN(real3) second_carried, IN(real3) second, IN(real) second_gap, IN(real) edge_length) {
   real3 edge = x - inner;
   real first_deep = min(first_gap, lit(0)), second_deep = min(second_gap, lit(0));
   real per_length = inverse(max(edge_length, lit(1e-12)));

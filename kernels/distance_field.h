@@ -35,8 +35,8 @@ FN FieldPlace fieldPlace(IN(real3) p, IN(real3) origin, IN(real) cell, IN(real3)
 }
 
 // Trilinear interpolant of eight samples (vXYZ) at t in [0, 1]^3, and its exact gradient by t.
-FN real trilinear(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101,
-                  IN(real) v011, IN(real) v111, IN(real3) t, OUT(real3) gradient) {
+FN real trilinear(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101, IN(real) v011,
+                  IN(real) v111, IN(real3) t, OUT(real3) gradient) {
   real dx00 = v100 - v000;
   real dx10 = v110 - v010;
   real dx01 = v101 - v001;
@@ -81,8 +81,8 @@ FN real pushedByNothing() { return lit(-1e9); }
 // Signed distance (m) and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true
 // one, so that contact does not overshoot (except with pushedByNothing). Outside, where it is only a lower bound, it is
 // at least `clear`, so that nothing is pushed.
-FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, IN(real) band, IN(real) quantum,
-                      IN(real) clear, OUT(real3) normal) {
+FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, IN(real) band, IN(real) quantum, IN(real) clear,
+                      OUT(real3) normal) {
   mask stored = abs(at.side) < lit(0.5);
   real3 gradient;
   real value = trilinear(at.v000, at.v100, at.v010, at.v110, at.v001, at.v101, at.v011, at.v111,

@@ -17,8 +17,8 @@ FN GridPlace gridPlace(IN(real3) at, IN(real3) last) {
 }
 
 // Trilinear interpolation of eight corners (vXYZ), with the weights of splatWeight().
-FN real interpolated(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101,
-                     IN(real) v011, IN(real) v111, IN(real3) part) {
+FN real interpolated(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101, IN(real) v011,
+                     IN(real) v111, IN(real3) part) {
   real v00 = madd(v100 - v000, part.x, v000);
   real v10 = madd(v110 - v010, part.x, v010);
   real v01 = madd(v101 - v001, part.x, v001);
@@ -41,9 +41,7 @@ FN real3 toTurbulenceBox(IN(real3) v) {
   return makeReal3(lit(2) * by - v.x, lit(3) * by - v.y, lit(7) * by - v.z);
 }
 // One axis of a blur with the kernel (1 2 1) / 4.
-FN real blurred(IN(real) before, IN(real) here, IN(real) after) {
-  return madd(before + after, lit(0.25), here * lit(0.5));
-}
+FN real blurred(IN(real) before, IN(real) here, IN(real) after) { return madd(before + after, lit(0.25), here * lit(0.5)); }
 // Rounds to integers, so that sums do not depend on their order.
 FN real fixedPoint(IN(real) value) { return floor(value + lit(0.5)); }
 
@@ -90,10 +88,12 @@ FN real3 draggedAmong(IN(real3) velocity, IN(real3) momentum, IN(real) exchange,
   real3 right = (velocity + momentum) * per_whole, across = slip_across * (lit(0) - per_whole);
   real xx = lit(1) - slip.x * per_whole, yy = lit(1) - slip.y * per_whole, zz = lit(1) - slip.z * per_whole;
   real c_xx = yy * zz - across.x * across.x, c_yy = xx * zz - across.y * across.y, c_zz = xx * yy - across.z * across.z;
-  real c_yz = across.y * across.z - xx * across.x, c_xz = across.x * across.z - yy * across.y, c_xy = across.x * across.y - zz * across.z;
+  real c_yz = across.y * across.z - xx * across.x, c_xz = across.x * across.z - yy * across.y,
+       c_xy = across.x * across.y - zz * across.z;
   real per_determinant = inverse(xx * c_xx + across.z * c_xy + across.y * c_xz);
   return makeReal3(c_xx * right.x + c_xy * right.y + c_xz * right.z, c_xy * right.x + c_yy * right.y + c_yz * right.z,
-                   c_xz * right.x + c_yz * right.y + c_zz * right.z) * per_determinant;
+                   c_xz * right.x + c_yz * right.y + c_zz * right.z) *
+         per_determinant;
 }
 
 // Unit direction of a piece of a strand from its first vertex to its last; upright if both coincide.

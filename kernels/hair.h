@@ -65,16 +65,15 @@ FN AcrossGuide turning(IN(real) turns, IN(real) per_u, IN(real) radius, IN(real)
 // curl: a helix of `curl_radius` (m) that widens from the root, with `curl_turns` over the whole length. Third,
 // deviations: by `tip` (m), most of it in the last quarter, and by `whole` (m) everywhere but at the root. Both
 // deviations rotate by one and a half turns over the length.
-FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(real) tip, IN(real) whole,
-                          IN(real) deviation_phase, IN(real) curl_radius, IN(real) curl_turns, IN(real) curl_phase) {
+FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(real) tip, IN(real) whole, IN(real) deviation_phase,
+                          IN(real) curl_radius, IN(real) curl_turns, IN(real) curl_phase) {
   real opening = u * (lit(2) - u);
   real opening_slope = lit(2) - lit(2) * u;
   real u2 = u * u;
   real u5 = u2 * u2 * u;
   AcrossGuide strays = turning(deviation_phase + lit(1.5) * u, lit(1.5), tip * u5 * u + whole * opening,
                                lit(6) * tip * u5 + whole * opening_slope);
-  AcrossGuide curl =
-      turning(curl_phase + curl_turns * u, curl_turns, curl_radius * opening, curl_radius * opening_slope);
+  AcrossGuide curl = turning(curl_phase + curl_turns * u, curl_turns, curl_radius * opening, curl_radius * opening_slope);
   real radius = lockRadius(profile, u);
   real slope = lockRadiusSlope(profile, u);
   AcrossGuide at;
@@ -145,8 +144,7 @@ FN real3 hairPosition(IN(real3) a, IN(real3) ab, IN(real3) ac, IN(real) weight_b
 // Derivative of hairPosition() by u, without a part along the guide: a rotation minimizing frame rotates only about
 // axes perpendicular to the tangent. `da`, `dab`, `dac`: derivatives of a, ab, ac.
 FN real3 hairDerivative(IN(real3) da, IN(real3) dab, IN(real3) dac, IN(real3) ab, IN(real3) ac, IN(real) weight_b,
-                        IN(real) weight_c, IN(Closing) closing, IN(AcrossGuide) across, IN(real3) normal,
-                        IN(real3) binormal) {
+                        IN(real) weight_c, IN(Closing) closing, IN(AcrossGuide) across, IN(real3) normal, IN(real3) binormal) {
   real open = lit(1) - closing.part;
   real3 spread = dab * (open * weight_b) + dac * (open * weight_c);
   real3 close = (ab * weight_b + ac * weight_c) * closing.slope;

@@ -96,9 +96,7 @@ HWY_INLINE word splat(int32_t value) { return {hn::Set(WordTag(), value)}; }
 HWY_INLINE word toInt(real value) { return {hn::ConvertTo(WordTag(), value.v)}; }
 HWY_INLINE real realOf(word value) { return {hn::ConvertTo(Tag(), value.v)}; }
 HWY_INLINE real floatOf(word bits) { return {hn::BitCast(Tag(), bits.v)}; }
-HWY_INLINE word select(mask m, word a, word b) {
-  return {hn::IfThenElse(hn::RebindMask(WordTag(), m.m), a.v, b.v)};
-}
+HWY_INLINE word select(mask m, word a, word b) { return {hn::IfThenElse(hn::RebindMask(WordTag(), m.m), a.v, b.v)}; }
 HWY_INLINE word shiftedDown(word a, word bits) { return {hn::Shr(a.v, bits.v)}; }
 HWY_INLINE word wordAt(const uint32_t* words, word number) {
   return {hn::GatherIndex(WordTag(), reinterpret_cast<const int32_t*>(words), number.v)};
@@ -106,9 +104,7 @@ HWY_INLINE word wordAt(const uint32_t* words, word number) {
 HWY_INLINE word wordAtByte(const uint32_t* words, word byte) {
   return {hn::GatherOffset(WordTag(), reinterpret_cast<const int32_t*>(words), byte.v)};
 }
-HWY_INLINE real lowHalves(word words) {
-  return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(hn::ShiftLeft<16>(words.v)))};
-}
+HWY_INLINE real lowHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(hn::ShiftLeft<16>(words.v)))}; }
 HWY_INLINE real highHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(words.v))}; }
 
 // The order of inclusion matters.

@@ -21,8 +21,8 @@ inline real select(mask m, real a, real b) { return m ? a : b; }
 inline real load(const Scalar* p) { return *p; }
 inline void store(real value, Scalar* p) { *p = value; }
 inline bool anyTrue(mask m) { return m; }
-inline uint32_t laneBits(mask m) { return m ? 1 : 0; }  // bit 0: the first lane
-inline Scalar reduceMin(real value) { return value; }       // over all lanes
+inline uint32_t laneBits(mask m) { return m ? 1 : 0; }                                  // bit 0: the first lane
+inline Scalar reduceMin(real value) { return value; }                                   // over all lanes
 inline void storeAsInt(real value, uint32_t* p) { *p = static_cast<uint32_t>(value); }  // of non-negative integers
 // Permutation that moves the lanes of a mask to the front. The entries after them, up to kLanes, are undefined.
 struct Packing {

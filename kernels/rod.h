@@ -87,8 +87,7 @@ FN real3 dampedExcess(IN(real3) excess, IN(real3) gained, IN(real3) untwisted, I
 // Frame rotated about its own tangent by the small angle phi, radians.
 FN quat twistFrame(IN(quat) q, IN(real) phi) {
   real h = phi * lit(0.5);
-  return normalizeQuat(makeQuat(madd(q.y, h, q.x), madd(lit(0) - q.x, h, q.y), madd(q.w, h, q.z),
-                                madd(lit(0) - q.z, h, q.w)));
+  return normalizeQuat(makeQuat(madd(q.y, h, q.x), madd(lit(0) - q.x, h, q.y), madd(q.w, h, q.z), madd(lit(0) - q.z, h, q.w)));
 }
 
 // Whether a strand has an edge much shorter than its mean edge. All edges of such a strand take the time blend of the
@@ -124,8 +123,7 @@ FN mask isSharp(IN(real) bends, IN(real) joints) { return bends > lit(1.5) * joi
 // `kinked`: see isKinked(); such strands get 0, because undamped small waves grew between their kinks.
 FN real timeBlend(IN(real3) advance, IN(real3) kink, IN(real) kappa, IN(mask) kinked) {
   real slow = select(kinked, lit(0), lit(1)) * clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
-  return lit(0.9) * slow *
-         inverse(madd(lit(0.05), kappa, madd(lit(20) * min(lit(10) * kappa, lit(1)), dot(kink, kink), lit(1))));
+  return lit(0.9) * slow * inverse(madd(lit(0.05), kappa, madd(lit(20) * min(lit(10) * kappa, lit(1)), dot(kink, kink), lit(1))));
 }
 // Share of the new increment in the position where forces are evaluated; the matrix gets this share of the stiffness. 1
 // for implicit Euler, 1/4 for average acceleration. docs/solver.md (8).

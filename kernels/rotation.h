@@ -54,6 +54,6 @@ FN quat interpolateRotation(IN(quat) a, IN(quat) b, IN(real) t) {
   real d = madd(a.x, b.x, madd(a.y, b.y, madd(a.z, b.z, a.w * b.w)));
   real tb = select(d < lit(0), lit(0) - t, t);
   real ta = lit(1) - t;
-  return normalizeQuat(makeQuat(madd(a.x, ta, b.x * tb), madd(a.y, ta, b.y * tb), madd(a.z, ta, b.z * tb),
-                                madd(a.w, ta, b.w * tb)));
+  return normalizeQuat(
+      makeQuat(madd(a.x, ta, b.x * tb), madd(a.y, ta, b.y * tb), madd(a.z, ta, b.z * tb), madd(a.w, ta, b.w * tb)));
 }

@@ -99,11 +99,11 @@ struct TensionRow {
 // edge before the vertex on this vertex and on the next one inwards: its tangent, or 0 if that vertex is pinned.
 // `normal`: of a body that presses the vertex, which then moves along the surface only, or 0.
 FN TensionRow eliminateTension(INOUT(OuterTensions) outside, IN(mask) moves, IN(real) alone, IN(real) factor, IN(real) factor2,
-                         IN(real3) outer, IN(real3) inner, IN(real) excess, IN(real3) normal) {
+                               IN(real3) outer, IN(real3) inner, IN(real) excess, IN(real3) normal) {
   Symmetric added = outside.near;
   real3 added_x = outside.column_x, added_y = outside.column_y, added_z = outside.column_z;
   real pivot = inverse(alone), first = pivot * factor, second = pivot * factor2;  // couplings in A to the next two vertices
-  Triangles gives = trianglesOf(plusEverywhere(added, pivot));  // compliance of the vertex
+  Triangles gives = trianglesOf(plusEverywhere(added, pivot));                    // compliance of the vertex
   real some = select(moves, lit(1), lit(0));
   // Contact: `held` removes the displacement along the normal, so that the vertex stays on the surface.
   real3 off = solved(gives, normal) * some;
@@ -115,7 +115,8 @@ FN TensionRow eliminateTension(INOUT(OuterTensions) outside, IN(mask) moves, IN(
   less = plusEverywhere(scaled(less, alone * some), alone - alone * some);
   less = plusProduct(less, off, held);
   // Coupling to the next vertex: without `factor` (x, y, z), and all of it.
-  real3 x = pushed(gives, some, off, held, added_x) - columnX(less) * first, y = pushed(gives, some, off, held, added_y) - columnY(less) * first;
+  real3 x = pushed(gives, some, off, held, added_x) - columnX(less) * first,
+        y = pushed(gives, some, off, held, added_y) - columnY(less) * first;
   real3 z = pushed(gives, some, off, held, added_z) - columnZ(less) * first;
   real3 all_x = makeReal3(x.x + factor, x.y, x.z), all_y = makeReal3(y.x, y.y + factor, y.z);
   real3 all_z = makeReal3(z.x, z.y, z.z + factor);
@@ -123,8 +124,8 @@ FN TensionRow eliminateTension(INOUT(OuterTensions) outside, IN(mask) moves, IN(
   // The edge after the vertex: displacement of the vertex by its tension, and its increment.
   real3 to_edge = pushed(gives, some, off, held, outside.along), moved = pushed(gives, some, off, held, outside.right);
   real share = inverse(dot(outside.along, to_edge) + outside.yields);
-  real3 lambda_near = madd(to_edge, first, makeReal3(dot(added_x, to_edge), dot(added_y, to_edge), dot(added_z, to_edge))) -
-                    outside.along_far;
+  real3 lambda_near =
+      madd(to_edge, first, makeReal3(dot(added_x, to_edge), dot(added_y, to_edge), dot(added_z, to_edge))) - outside.along_far;
   TensionRow row;
   row.lambda = (outside.excess - dot(to_edge, outside.right)) * share;
   row.lambda_near = lambda_near * share;
@@ -153,7 +154,8 @@ FN TensionRow eliminateTension(INOUT(OuterTensions) outside, IN(mask) moves, IN(
   left.right = outside.right_far - makeReal3(dot(all_x, outside.right), dot(all_y, outside.right), dot(all_z, outside.right)) -
                lambda_near * row.lambda;
   left.right_far = row.shift * (lit(0) - second);
-  left.along = madd(row.by_lambda, first, inner) + makeReal3(dot(added_x, row.by_lambda), dot(added_y, row.by_lambda), dot(added_z, row.by_lambda)) +
+  left.along = madd(row.by_lambda, first, inner) +
+               makeReal3(dot(added_x, row.by_lambda), dot(added_y, row.by_lambda), dot(added_z, row.by_lambda)) +
                outside.along_far * row.lambda_by_lambda;
   left.along_far = row.by_lambda * second;
   left.yields = dot(outer, row.by_lambda) + lit(1e-9);  // regular even if both ends are pinned
@@ -165,7 +167,8 @@ FN TensionRow eliminateTension(INOUT(OuterTensions) outside, IN(mask) moves, IN(
 FN real firstTension(IN(OuterTensions) outside) { return outside.excess * inverse(outside.yields); }
 // `near`, `far`: displacements of the next two vertices inwards; `lambda`: increment of the edge before the vertex.
 FN real3 shiftOf(IN(TensionRow) row, IN(real3) near, IN(real3) far, IN(real) lambda) {
-  return row.shift - row.column_x * near.x - row.column_y * near.y - row.column_z * near.z - product(row.far, far) - row.by_lambda * lambda;
+  return row.shift - row.column_x * near.x - row.column_y * near.y - row.column_z * near.z - product(row.far, far) -
+         row.by_lambda * lambda;
 }
 FN real tensionOf(IN(TensionRow) row, IN(real3) near, IN(real3) far, IN(real) lambda) {
   return row.lambda + dot(row.lambda_near, near) + dot(row.lambda_far, far) + row.lambda_by_lambda * lambda;

@@ -4,7 +4,8 @@
 
 // Position after `dt` seconds without constraints. keep = exp(-drag dt) is the share of the velocity that air drag
 // leaves; wind replaces the rest. `time2`: displacement by an acceleration of 1 m/s^2, m (DragStep::time2).
-FN real3 predictPosition(IN(real3) x, IN(real3) v, IN(real3) gravity, IN(real3) wind, IN(real) keep, IN(real) dt, IN(real) time2) {
+FN real3 predictPosition(IN(real3) x, IN(real3) v, IN(real3) gravity, IN(real3) wind, IN(real) keep, IN(real) dt,
+                         IN(real) time2) {
   real3 blown = madd(v, keep, wind * (lit(1) - keep));
   return madd(gravity, time2, madd(blown, dt, x));
 }
@@ -26,8 +27,8 @@ FN void solveDistance(INOUT(real3) a, INOUT(real3) b, IN(real) wa, IN(real) wb, 
 // direction: a step down the gradient of |target - (b - a)|^2 with a target that rotates with p-a. Without this
 // reaction the constraint feeds energy to curled hair at rest until it flutters. wp, wa, wb: inverse masses (relative,
 // 0 if pinned).
-FN void solveAngular(INOUT(real3) p, INOUT(real3) a, INOUT(real3) b, IN(real) wp, IN(real) wa, IN(real) wb,
-                     IN(real3) target, IN(real) strength) {
+FN void solveAngular(INOUT(real3) p, INOUT(real3) a, INOUT(real3) b, IN(real) wp, IN(real) wa, IN(real) wb, IN(real3) target,
+                     IN(real) strength) {
   real3 delta = target - (b - a);
   real3 parent = a - p;
   real3 reaction = cross(parent, cross(target, delta));  // times 1 / |parent|^2

@@ -38,13 +38,9 @@ FN real3 bentGradient(IN(Bend) bend, IN(real3) p, IN(real3) normal) {
 
 // Position in the bent state of the point that is at `rest` at rest: two fixed-point iterations of x = rest - w(x),
 // from x = p.
-FN real3 placedByBend(IN(Bend) bend, IN(real3) rest, IN(real3) p) {
-  return rest - bendShift(bend, rest - bendShift(bend, p));
-}
+FN real3 placedByBend(IN(Bend) bend, IN(real3) rest, IN(real3) p) { return rest - bendShift(bend, rest - bendShift(bend, p)); }
 // Position to which the surface carries the point at p while the bend changes from `before` to `now`.
-FN real3 carriedByBend(IN(Bend) before, IN(Bend) now, IN(real3) p) {
-  return placedByBend(now, p + bendShift(before, p), p);
-}
+FN real3 carriedByBend(IN(Bend) before, IN(Bend) now, IN(real3) p) { return placedByBend(now, p + bendShift(before, p), p); }
 
 // Distance to a bent surface, m. `distance`: that at rest; `gradient`: its bentGradient(), on return the unit normal.
 // First order within 5 mm of the surface. Elsewhere a bound that is never farther from 0 than the true distance,

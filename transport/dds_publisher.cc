@@ -121,7 +121,9 @@ class DdsPublisher final : public Publisher {
     return command;
   }
 
-  CastingState castingState() const override { return claim_ ? claim_->castingState() : CastingState::kUnshared; }
+  CastingState castingState() const override {
+    return claim_ ? claim_->castingState() : CastingState::kUnshared;
+  }
 
   bool yields() const override { return claim_ && claim_->yields(); }
 

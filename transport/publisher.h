@@ -41,11 +41,11 @@ struct Rival {
 
 /// Among daemons that share a groom: which one casts.
 enum class CastingState {
-  kUnshared,  ///< the daemon does not share its groom
-  kUnknown,   ///< others are present that may cast and have not been heard yet
-  kUnclaimed,   ///< no daemon claims the groom
-  kOther,  ///< another daemon casts
-  kOwn        ///< this daemon casts
+  kUnshared,   ///< the daemon does not share its groom
+  kUnknown,    ///< others are present that may cast and have not been heard yet
+  kUnclaimed,  ///< no daemon claims the groom
+  kOther,      ///< another daemon casts
+  kOwn         ///< this daemon casts
 };
 
 /// The daemon's end of a channel. Not thread-safe.

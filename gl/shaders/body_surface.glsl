@@ -106,10 +106,14 @@ float surfaceAt(BodyShape body, vec3 x, float clear, out vec3 normal) {
       local += bendShift(bend, local);
     }
 #endif
-    if (body.kind == kEllipsoid) distance = ellipsoidDistance(local, body.extent, normal);
-    else if (body.kind == kBox) distance = boxDistance(local, body.extent, normal);
-    else if (body.kind == kConvex) distance = convexDistance(body, local, normal);
-    else distance = fieldDistanceAt(body.data, local, clear, normal);
+    if (body.kind == kEllipsoid)
+      distance = ellipsoidDistance(local, body.extent, normal);
+    else if (body.kind == kBox)
+      distance = boxDistance(local, body.extent, normal);
+    else if (body.kind == kConvex)
+      distance = convexDistance(body, local, normal);
+    else
+      distance = fieldDistanceAt(body.data, local, clear, normal);
 #if SHAPE_KINDS > 1
     if (isBent(body.kind, body.extra)) {
       normal = bentGradient(bend, bent, normal);

@@ -2,8 +2,8 @@
 // (air/wind_source.h). Requires air_settings.glsl.
 layout(std430, binding = 13) readonly buffer Turbulence { float turbulence[]; };  // 3 floats per node of the periodic box
 struct Source {
-  vec4 position;   // m; w: kind
-  vec4 direction;  // unit; w: rate at which it draws air to its velocity, 1/s
+  vec4 position;                               // m; w: kind
+  vec4 direction;                              // unit; w: rate at which it draws air to its velocity, 1/s
   float radius, reach, cosine, speed;          // m; m; of a cone's half angle; m/s
   float swirl, per_share, unused_a, unused_b;  // m/s at the radius; m/s, SphereOnGrid::perShare() of a sphere on a grid
 };

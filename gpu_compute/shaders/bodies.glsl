@@ -27,12 +27,13 @@ uint nearBody(uint i) { return settings.neighbourhoods == 0u ? i : near_bodies[i
 float clearance(vec4 velocity) { return min(settings.hair_radius, velocity.w); }
 
 float surfaceAt(PlacedBody body, vec3 x, float clear, out vec3 normal) {
-  BodyShape shape = BodyShape(body.kind, body.a, body.b, body.radius, body.radius_b, body.rotation, body.extent, body.data,
-                              body.extra
+  BodyShape shape =
+      BodyShape(body.kind, body.a, body.b, body.radius, body.radius_b, body.rotation, body.extent, body.data, body.extra
 #if SHAPE_KINDS > 1
-                              , body.time
+                ,
+                body.time
 #endif
-  );
+      );
   return surfaceAt(shape, x, clear, normal);
 }
 
@@ -44,7 +45,8 @@ vec3 carriedOf(PlacedBody body, vec3 point) {
 #if SHAPE_KINDS > 1
   if (isBent(body.kind, body.extra)) {
     vec3 local = rotateBack(body.rotation, rigidly - body.a);
-    vec3 bent = carriedByBend(bendAt(body.extra, body.time - 1.0 / float(settings.substeps)), bendAt(body.extra, body.time), local);
+    vec3 bent =
+        carriedByBend(bendAt(body.extra, body.time - 1.0 / float(settings.substeps)), bendAt(body.extra, body.time), local);
     return rigidly + rotate(body.rotation, bent - local);
   }
 #endif

@@ -29,16 +29,16 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/grooming.glsl"
 #endif
 
-layout(std430, binding = 0) buffer Positions { vec4 positions[]; };             // xyz, m; w: tension of the rod, unused here
-layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };           // xyz, m/s; w: distance from bodies at rest, m
-layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };   // xyz, m; w: inverse mass; see bonePoint()
-layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };     // xyz: restEdges(), m; w: rest length, m
-layout(std430, binding = 5) readonly buffer Order { uint order[]; };            // strand numbers, sorted by group
-layout(location = 0) uniform uint first_strand;  // of this group: index in order[]
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };            // xyz, m; w: tension of the rod, unused here
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };          // xyz, m/s; w: distance from bodies at rest, m
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };  // xyz, m; w: inverse mass; see bonePoint()
+layout(std430, binding = 3) readonly buffer RestEdge { vec4 rest_edge[]; };    // xyz: restEdges(), m; w: rest length, m
+layout(std430, binding = 5) readonly buffer Order { uint order[]; };           // strand numbers, sorted by group
+layout(location = 0) uniform uint first_strand;                                // of this group: index in order[]
 layout(location = 1) uniform uint strands_in_group;
 
-shared vec4 shared_position[WORKGROUP];    // w: inverse mass
-shared vec4 shared_frame[2][WORKGROUP];    // two banks: a scan step needs one barrier
+shared vec4 shared_position[WORKGROUP];  // w: inverse mass
+shared vec4 shared_frame[2][WORKGROUP];  // two banks: a scan step needs one barrier
 
 // Rotation that takes the rest edge k to its target direction: the product of the parallel transports over all edges
 // before it and the root's rotation. An inclusive scan that keeps the order of the factors.
@@ -62,7 +62,8 @@ vec4 frameOfEdge(int k, uint me, vec3 x, vec4 root) {
 
 // Position of the vertex after contact with the deepest body. `clear`: clearance, m, which clearanceOf() reduces for bodies
 // that cover the root.
-vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, Cover cover, float arc_length, float friction_scale, int substep) {
+vec3 resolveContacts(uint strand, vec3 x, vec3 start, float clear, Cover cover, float arc_length, float friction_scale,
+                     int substep) {
   ContactPlane plane = noContact(x, contactReach());
   uvec2 range = nearRange(strand);
   for (uint i = range.x; i < range.y; ++i) {

@@ -30,9 +30,9 @@ void main() {
   float found = 0.0;
   if (isInGrid(at)) {
     int first = nodeAt(ivec3(corner.low)), y = air.cells, z = y * y;
-    float density = interpolated(densities[first], densities[first + 1], densities[first + y], densities[first + y + 1],
-                                 densities[first + z], densities[first + z + 1], densities[first + z + y],
-                                 densities[first + z + y + 1], corner.part);
+    float density =
+        interpolated(densities[first], densities[first + 1], densities[first + y], densities[first + y + 1], densities[first + z],
+                     densities[first + z + 1], densities[first + z + y], densities[first + z + y + 1], corner.part);
 #if MEASURE
     resting[sample_].y = density;
 #else
@@ -45,8 +45,10 @@ void main() {
 #endif
   }
 #if !MEASURE
-  if (found > 0.0) put(me, corner, vec4(found, 0, 0, 0));
-  else leaveOut(me);
+  if (found > 0.0)
+    put(me, corner, vec4(found, 0, 0, 0));
+  else
+    leaveOut(me);
   barrier();
   spread(count);
 #endif

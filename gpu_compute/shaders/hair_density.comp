@@ -10,7 +10,7 @@
 #include "gpu_compute/shaders/hair_tile.glsl"
 layout(std430, binding = 7) readonly buffer Sums { ivec4 sums[]; };
 layout(std430, binding = 8) buffer CrowdSums { int crowd_sums[]; };
-layout(std430, binding = 9) writeonly buffer Nodes { vec4 nodes[]; };         // xyz: kg/(m^2 s); w: kg/m^3
+layout(std430, binding = 9) writeonly buffer Nodes { vec4 nodes[]; };            // xyz: kg/(m^2 s); w: kg/m^3
 layout(std430, binding = 10) writeonly buffer Densities { float densities[]; };  // kg/m^3
 
 #define SIDE (TILE + 2)

@@ -27,8 +27,7 @@ shared uint any_hair;
 void blur() {
   int me = int(gl_LocalInvocationIndex);
   barrier();
-  for (int n = me; n < NUMBERS; n += INVOCATIONS)
-    there[n] = blurred(here[max(n - 1, 0)], here[n], here[min(n + 1, NUMBERS - 1)]);
+  for (int n = me; n < NUMBERS; n += INVOCATIONS) there[n] = blurred(here[max(n - 1, 0)], here[n], here[min(n + 1, NUMBERS - 1)]);
   barrier();
   for (int n = me; n < NUMBERS; n += INVOCATIONS)
     here[n] = blurred(there[max(n - SIDE, 0)], there[n], there[min(n + SIDE, NUMBERS - 1)]);

@@ -15,10 +15,10 @@
 #include "gpu_compute/shaders/sample_tile.glsl"
 #include "gpu_compute/shaders/hair_samples.glsl"
 #include "gpu_compute/shaders/ambient.glsl"
-layout(std430, binding = 7) readonly buffer Rates { float rates[]; };       // 1/s per vertex
-layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };    // 3 per vertex, m/s^2
-layout(std430, binding = 11) readonly buffer Changes { vec4 changes[]; };   // m/s
-layout(std430, binding = 12) readonly buffer Centres { vec4 centres[]; };   // m/s, at centres of the wind's cells
+layout(std430, binding = 7) readonly buffer Rates { float rates[]; };      // 1/s per vertex
+layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };   // 3 per vertex, m/s^2
+layout(std430, binding = 11) readonly buffer Changes { vec4 changes[]; };  // m/s
+layout(std430, binding = 12) readonly buffer Centres { vec4 centres[]; };  // m/s, at centres of the wind's cells
 
 // Vectors stored per sample: with RATES the parts of Felt, else the acceleration that they sum to.
 #if RATES
@@ -41,9 +41,9 @@ struct Felt {
   vec3 not_felt;  // m/s; times the drag rate: see dragNotFelt()
 };
 
-#define CORNERS(of)                                                                                          \
-  vec4[8](of[first], of[first + 1], of[first + y], of[first + y + 1], of[first + z], of[first + z + 1], \
-          of[first + z + y], of[first + z + y + 1])
+#define CORNERS(of)                                                                                                        \
+  vec4[8](of[first], of[first + 1], of[first + y], of[first + y + 1], of[first + z], of[first + z + 1], of[first + z + y], \
+          of[first + z + y + 1])
 
 bool isFinite(vec3 v) { return !any(isnan(v)) && !any(isinf(v)); }
 
@@ -85,9 +85,7 @@ Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
 }
 
 // Acceleration, m/s^2, at a drag rate in 1/s.
-vec3 accelerationBy(Felt felt, float rate) {
-  return madd(felt.local - felt.not_felt, rate, felt.pushed);
-}
+vec3 accelerationBy(Felt felt, float rate) { return madd(felt.local - felt.not_felt, rate, felt.pushed); }
 void keep(uint sample_, Felt felt) {
 #if RATES
   put(0u, sample_, felt.pushed);

@@ -7,6 +7,4 @@ float fastestSplatted() { return max(2.0 * uintBitsToFloat(fastest_before), 1.0)
 float momentumScale() { return kWhole / (air.mass * fastestSplatted()); }
 
 // Whether a sample is splatted: finite, and far enough from the border that its nodes and their blur lie in the grid.
-bool isInGrid(vec3 at) {
-  return all(greaterThanEqual(at, vec3(2))) && all(lessThanEqual(at, vec3(air.cells - 3)));
-}
+bool isInGrid(vec3 at) { return all(greaterThanEqual(at, vec3(2))) && all(lessThanEqual(at, vec3(air.cells - 3))); }

@@ -25,12 +25,8 @@ vec4 transposedTimes(vec4 a, vec4 b) {
   return vec4(a.x * b.x + a.z * b.z, a.x * b.y + a.z * b.w, a.y * b.x + a.w * b.z, a.y * b.y + a.w * b.w);
 }
 // Products that are known to be symmetric: transpose(a) b and a transpose(b).
-vec3 symmetricTN(vec4 a, vec4 b) {
-  return vec3(a.x * b.x + a.z * b.z, a.x * b.y + a.z * b.w, a.y * b.y + a.w * b.w);
-}
-vec3 symmetricNT(vec4 a, vec4 b) {
-  return vec3(a.x * b.x + a.y * b.y, a.x * b.z + a.y * b.w, a.z * b.z + a.w * b.w);
-}
+vec3 symmetricTN(vec4 a, vec4 b) { return vec3(a.x * b.x + a.z * b.z, a.x * b.y + a.z * b.w, a.y * b.y + a.w * b.w); }
+vec3 symmetricNT(vec4 a, vec4 b) { return vec3(a.x * b.x + a.y * b.y, a.x * b.z + a.y * b.w, a.z * b.z + a.w * b.w); }
 
 #if THREADS > 1
 // Parallel cyclic reduction of the outer blocks. d: diagonal block. c: coupling to the block before; its transpose couples
@@ -115,8 +111,8 @@ void solvePentadiagonal(float diagonal[PER_THREAD], float first[PER_THREAD - 1],
 }
 
 // Residual: subtracts the matrix times x from the right-hand sides f, in place.
-void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD], vec3 across,
-              vec3 x[PER_THREAD], inout vec3 f[PER_THREAD]) {
+void residual(float diagonal[PER_THREAD], float first[PER_THREAD - 1], float second[PER_THREAD], vec3 across, vec3 x[PER_THREAD],
+              inout vec3 f[PER_THREAD]) {
   vec3 onto_before = x[0] * across.x;
   send_a(vec4(x[kLast - 1], onto_before.x));
   send_b(vec4(x[kLast], onto_before.y));

@@ -16,8 +16,8 @@ void placeRoots(int first) {
   barrier();  // all have read the previous substeps' motion
   const int substep = first + rank;
   if (substep < end_substep) {
-    const RootMotion root =
-        motionOfRoot(rootPoses(strand), substep, substep - first_substep, positions[root_vertex].xyz, velocities[root_vertex].xyz);
+    const RootMotion root = motionOfRoot(rootPoses(strand), substep, substep - first_substep, positions[root_vertex].xyz,
+                                         velocities[root_vertex].xyz);
     root_position[me] = vec4(root.position, root.jump.x);
     root_tangent[me] = vec4(root.tangent_old, root.jump.y);
     root_swing[me] = vec4(root.swing, root.jump.z);

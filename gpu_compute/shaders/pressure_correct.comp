@@ -61,8 +61,8 @@ void main() {
       vec4 sum = even[i], difference = odd[i];
       for (int row = 0; row < ROWS_AT_ONCE; ++row) {
         sum = fma(matrix_rows[row * GROUPS + group], vec4(values[(from + row) * PITCH + line]), sum);
-        difference = fma(matrix_rows[(ROWS_AT_ONCE + row) * GROUPS + group], vec4(values[(HALF + from + row) * PITCH + line]),
-                         difference);
+        difference =
+            fma(matrix_rows[(ROWS_AT_ONCE + row) * GROUPS + group], vec4(values[(HALF + from + row) * PITCH + line]), difference);
       }
       even[i] = sum;
       odd[i] = difference;

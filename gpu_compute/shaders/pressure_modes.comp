@@ -11,7 +11,7 @@
 layout(local_size_x = INVOCATIONS) in;
 #include "kernels/lanes_glsl.h"
 #include "gpu_compute/shaders/pressure_solve.glsl"
-layout(std430, binding = 10) readonly buffer Modes { float modes[]; };         // [mode along x][z][y]
+layout(std430, binding = 10) readonly buffer Modes { float modes[]; };              // [mode along x][z][y]
 layout(std430, binding = 11) readonly buffer Eigenvalues { float eigenvalues[]; };  // per mode of an axis
 // [mode along x][parity of z][parity of y][z][y]; z and y over the lower half of cells.
 layout(std430, binding = 12) writeonly buffer Planes { float planes[]; };
@@ -60,8 +60,10 @@ void main() {
   bool enough = !(residual > max(2e-4 * uintBitsToFloat(solve.fastest), 1e-6));  // kResidual, kStill of air/wind.h
   if (me == 0 && mode == 0 && gl_WorkGroupID.y == 0u) {
     solve.residual = residual;
-    if (enough) solve.done = 1;
-    else ++solve.iterations;
+    if (enough)
+      solve.done = 1;
+    else
+      ++solve.iterations;
   }
   if (enough) return;
   ivec4 needed = ivec4(TO_MODES, TO_MODES, FROM_MODES, FROM_MODES) + ivec4(parity.x, parity.y, parity.y, parity.x);

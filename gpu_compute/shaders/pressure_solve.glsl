@@ -13,7 +13,8 @@ layout(std430, binding = 15) buffer Solve {
   float residual;     // largest residual of the last iteration, m/s
   float products[2];  // dot(residual, preconditioned residual), of even and odd iterations
   float lengths[2];   // step lengths of even and odd iterations
-} solve;
+}
+solve;
 // Per cell. Bits 0 to 5: low x, high x, low y, high y, low z, high z face is open; bit 6: solid.
 layout(std430, binding = 0) readonly buffer Masks { uint masks[]; };
 

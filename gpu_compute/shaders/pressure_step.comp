@@ -17,14 +17,14 @@ layout(local_size_x = INVOCATIONS) in;
 layout(std430, binding = 2) readonly buffer Rights { float rights[]; };  // right-hand sides, m/s
 layout(std430, binding = 3) buffer Pressures { float pressures[]; };     // m/s, see projectVelocity()
 layout(std430, binding = 4) buffer Residuals { float residuals[]; };
-layout(std430, binding = 5) buffer Steps { float steps[]; };                            // the search direction
-layout(std430, binding = 6) buffer Images { float images[]; };                          // the system's matrix x steps
-layout(std430, binding = 7) readonly buffer Corrections { float corrections[]; };       // the preconditioned residuals
+layout(std430, binding = 5) buffer Steps { float steps[]; };                       // the search direction
+layout(std430, binding = 6) buffer Images { float images[]; };                     // the system's matrix x steps
+layout(std430, binding = 7) readonly buffer Corrections { float corrections[]; };  // the preconditioned residuals
 layout(std430, binding = 8) readonly buffer CorrectionImages { float correction_images[]; };
-layout(std430, binding = 9) readonly buffer Products { vec2 partial_products[]; };      // see pressure_correct.comp
-layout(std430, binding = 10) writeonly buffer Modes { float modes[]; };                 // [mode along x][z][y]
-layout(location = 0) uniform int tiles;  // number of partial_products
-layout(location = 1) uniform int odd;    // 1: the number of earlier iterations is odd
+layout(std430, binding = 9) readonly buffer Products { vec2 partial_products[]; };  // see pressure_correct.comp
+layout(std430, binding = 10) writeonly buffer Modes { float modes[]; };             // [mode along x][z][y]
+layout(location = 0) uniform int tiles;                                             // number of partial_products
+layout(location = 1) uniform int odd;                                               // 1: the number of earlier iterations is odd
 layout(location = 2) uniform int first;  // 1: first iteration, there is no search direction yet
 
 #define LINES 32

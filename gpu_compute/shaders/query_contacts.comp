@@ -11,7 +11,7 @@
 //          1: first substep of a step whose strands contact_free_strands.comp classifies next.
 //          2: later substeps of such a step: contact-free strands are skipped.
 #define WORKGROUP 64
-#define STRANDS 8  // kStrandsPerQuery of gpu_compute/rod_strands.cc
+#define STRANDS 8          // kStrandsPerQuery of gpu_compute/rod_strands.cc
 #define MOST_VERTICES 128  // of a strand
 layout(local_size_x = WORKGROUP) in;
 
@@ -34,7 +34,7 @@ layout(location = 1) uniform bool everyone;  // every vertex queries: the cache 
 shared vec3 jumps[STRANDS];
 shared uint due_count, due[STRANDS * MOST_VERTICES];  // strand of the workgroup x MOST_VERTICES + number in it
 #if SORTING == 1
-shared uint short_count;     // vertices whose bound does not last for the step; stored from the end of due[] down
+shared uint short_count;  // vertices whose bound does not last for the step; stored from the end of due[] down
 // Per strand, m, as bits of a float: the least boundAfterStep() of the vertices that are due, and of the others.
 shared uint bounds_due[STRANDS], bounds[STRANDS];
 #elif SORTING == 2
@@ -46,7 +46,8 @@ shared bool are_contact_free[STRANDS];
 vec3 jumpOf(uint strand) {
   if (substep > 0) return vec3(0);
   const uint root = offsets[strand];
-  return vec3(contacts[contactRow(root, kRootPosition)].w, contacts[contactRow(root, kRootTangent)].w, contacts[contactRow(root, kCover)].w);
+  return vec3(contacts[contactRow(root, kRootPosition)].w, contacts[contactRow(root, kRootTangent)].w,
+              contacts[contactRow(root, kCover)].w);
 }
 // Predicted position of a vertex at the end of the substep: its inertial point.
 vec3 aheadOf(uint vertex, vec3 jump) {
@@ -94,8 +95,10 @@ bool isDue(uint strand, uint own, uint vertex, vec3 jump) {
   contacts[found] = vec4(ahead, room);
 #if SORTING == 1
   const float left = boundAfterStep(room, way);
-  if (left > 0.0 && contacts[vertex].xyz == vec3(0)) atomicMin(bounds[own], floatBitsToUint(left));
-  else due[uint(STRANDS * MOST_VERTICES) - 1u - atomicAdd(short_count, 1u)] = own * uint(MOST_VERTICES) + vertex - offsets[strand];
+  if (left > 0.0 && contacts[vertex].xyz == vec3(0))
+    atomicMin(bounds[own], floatBitsToUint(left));
+  else
+    due[uint(STRANDS * MOST_VERTICES) - 1u - atomicAdd(short_count, 1u)] = own * uint(MOST_VERTICES) + vertex - offsets[strand];
 #endif
   return false;
 }

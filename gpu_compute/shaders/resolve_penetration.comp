@@ -16,10 +16,10 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
-layout(std430, binding = 0) buffer Positions { vec4 positions[]; };            // xyz, m
-layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };          // xyz, m/s; w: rest distance from bodies, m
-layout(std430, binding = 5) readonly buffer Work { uint work[]; };             // see rod_work.glsl
-layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };      // length, twist; mass, weight of the edge's end
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };        // xyz, m
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };      // xyz, m/s; w: rest distance from bodies, m
+layout(std430, binding = 5) readonly buffer Work { uint work[]; };         // see rod_work.glsl
+layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };  // length, twist; mass, weight of the edge's end
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/contact_cache.glsl"
 #include "gpu_compute/shaders/root_cover.glsl"
@@ -45,9 +45,9 @@ vec3 rotatedOutOfBodies(uint vertex, vec3 x, vec3 inner, float edge_length) {
       x = rotatedIntoCrease(best, inner, one.carried, one.normal, one.gap, other.carried, other.normal, other.gap, edge_length);
       continue;
     }
-    x = round < 2
-            ? rotatedTowardsPlane(x, inner, plane.normal, plane.gap, edge_length)
-            : rotatedOntoPlane(x, inner, plane.normal, gapToRemove(x, inner, plane.carried, plane.normal, plane.gap), edge_length);
+    x = round < 2 ? rotatedTowardsPlane(x, inner, plane.normal, plane.gap, edge_length)
+                  : rotatedOntoPlane(x, inner, plane.normal, gapToRemove(x, inner, plane.carried, plane.normal, plane.gap),
+                                     edge_length);
   }
   return best;
 }

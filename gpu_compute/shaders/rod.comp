@@ -85,14 +85,14 @@ layout(local_size_x = WORKGROUP) in;
 vec3 shift[PER_THREAD];
 vec3 shift_in;
 vec3 tangent[PER_THREAD], tangent_in, tangent_out;  // unit
-vec3 moment[PER_THREAD + 1];        // m^2/s^2
-float stiffness[PER_THREAD + 2];    // of joints, in the bending matrix
-float edge_stiffness[PER_THREAD + 1];     // of edges, in the bending matrix
-float softness[PER_THREAD], softness_in;  // of vertices, see curlSoftness()
+vec3 moment[PER_THREAD + 1];                        // m^2/s^2
+float stiffness[PER_THREAD + 2];                    // of joints, in the bending matrix
+float edge_stiffness[PER_THREAD + 1];               // of edges, in the bending matrix
+float softness[PER_THREAD], softness_in;            // of vertices, see curlSoftness()
 // The bending matrix in the layout of solvePentadiagonal(). `force`: its right-hand sides.
 float diagonal[PER_THREAD], first[PER_THREAD - 1], second[PER_THREAD];
 vec3 across;
-vec3 force[PER_THREAD];             // m
+vec3 force[PER_THREAD];                           // m
 float lambda[PER_THREAD], lambda_in, lambda_out;  // tension increments of edges, m
 // Greatest correction strain. DENSE_METRIC: of this strand, in this substep; else of this invocation, in all substeps so
 // far.
@@ -101,11 +101,11 @@ float most;
 vec3 pressing[PER_THREAD];            // contact forces, m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // contact normals of vertices in contact, else 0
 // Of this invocation's vertices, in this substep:
-bool meets;                           // a body is near one, or pressed one when the substep began
-float near_body;                      // greatest nearness() of a body
-float speed_kept;                     // factor that velocityClamp() left on the strand's velocities
-bool lost;                            // mayPenetrate()
-bool stale_cache;                     // isCacheStale() of some vertex
+bool meets;        // a body is near one, or pressed one when the substep began
+float near_body;   // greatest nearness() of a body
+float speed_kept;  // factor that velocityClamp() left on the strand's velocities
+bool lost;         // mayPenetrate()
+bool stale_cache;  // isCacheStale() of some vertex
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
 #else
@@ -192,7 +192,8 @@ void softenVertices(float margin[PER_THREAD + 1], float blend[PER_THREAD], vec3 
     vec3 t_out2 = p < kLast - 1 ? tangent[min(p + 2, kLast)] : p < kLast ? tangent_out : tangent_out2;
     t_out2 = select(isLast(p, 2), t_out, t_out2);
     float anchoring = edgeAnchoring(stiffness[p], margin[p], margin[p + 1]);
-    float soft = curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2, select(isAnchored(p), anchoring, 0.0));
+    float soft =
+        curlSoftness(weight(p), stiffness[p + 1], il, t_in2, tangent[p], t_out, t_out2, select(isAnchored(p), anchoring, 0.0));
     softness[p] = select(isLast(p, 1), 0.0, soft);
   }
 }
@@ -226,8 +227,8 @@ void makeBending(RootMotion root) {
   moment[PER_THREAD] = b;
   for (int p = 1; p < PER_THREAD; ++p) force[p] = edgeForce(p, root);
 
-  const vec3 fall = settings.gravity.xyz * settings.time2 +
-                    settings.wind.xyz * (settings.substep * (1.0 - settings.keep)) - root.jump;
+  const vec3 fall =
+      settings.gravity.xyz * settings.time2 + settings.wind.xyz * (settings.substep * (1.0 - settings.keep)) - root.jump;
   float il[PER_THREAD + 1];
   for (int p = 0; p < PER_THREAD; ++p) il[p] = inverseLength(p);
   il[PER_THREAD] = inverseLengthOut();
@@ -244,7 +245,8 @@ void makeBending(RootMotion root) {
 #if ACCELERATED
     driven += accelerationOf(end);
 #endif
-    vec3 way = madd(driven, time2s[p] - settings.time2, madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), pulled));
+    vec3 way =
+        madd(driven, time2s[p] - settings.time2, madd(settings.wind.xyz, settings.substep * (settings.keep - keeps[p]), pulled));
     vec3 goal = heldPoint(root_vertex + uint(min(rank * PER_THREAD + p + 1, edges)), root);
     vec3 total = force[p] - outer;
     if (weight(p) > 0.0) total += goalPull(way, mass(p), goal_stiffness[p], (goal - x[p]) - shift[p]);

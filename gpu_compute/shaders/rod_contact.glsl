@@ -39,8 +39,7 @@ void loadContacts() {
 
 void storeContacts() {
   for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p))
-      contacts[vertexOf(p)] = vec4(pressing[p] / settings.time2, displaced[p] ? speed_kept : -speed_kept);
+    if (isEdge(p)) contacts[vertexOf(p)] = vec4(pressing[p] / settings.time2, displaced[p] ? speed_kept : -speed_kept);
 }
 
 // Vertices with a stale contact cache query contacts again (STALE_CACHE), or have their strand listed for the variant that
@@ -123,7 +122,9 @@ bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
     const bool touched = plane.gap < 0.0 || dot(pressing[p], pressing[p]) > 0.0;
     touches = touches || touched;
     held[p] = touched && plane.gap < contactReach();
-    push[p] = positionOnSurface(place, plane.carried, moved[p], plane.normal, plane.gap, plane.friction, weight(p), pressing[p], follows[p], kept_friction[p]) - place;
+    push[p] = positionOnSurface(place, plane.carried, moved[p], plane.normal, plane.gap, plane.friction, weight(p), pressing[p],
+                                follows[p], kept_friction[p]) -
+              place;
     friction[p] = plane.friction;
     normals[p] = plane.normal;
     if (held[p]) continue;

@@ -16,7 +16,8 @@ float fastestOfStrand(vec3 checked[PER_THREAD]) {
     speed2 = max(speed2, dot(old, old));
     if (weight(p) == 0.0) way2 = max(way2, dot(checked[p], checked[p]));
 #if BODIES
-    else if (has_planes[p]) way2 = max(way2, carried2Of(vertexOf(p), x[p] + checked[p], x[p]));
+    else if (has_planes[p])
+      way2 = max(way2, carried2Of(vertexOf(p), x[p] + checked[p], x[p]));
 #endif
   }
   return sqrt(strandMax(max(speed2, way2 * settings.per_substep * settings.per_substep)));

@@ -42,8 +42,10 @@ void shareMissing(inout vec3 along[PER_THREAD], vec3 missed[PER_THREAD], float l
 #endif
   for (int p = kLast; p >= 0; --p) {
     if (!isEdge(p)) continue;
-    if (weight(p) == 0.0) next = vec4(missed[p] / max(lengths[p], 1e-9), 1);
-    else along[p] += next.xyz * lengths[p];
+    if (weight(p) == 0.0)
+      next = vec4(missed[p] / max(lengths[p], 1e-9), 1);
+    else
+      along[p] += next.xyz * lengths[p];
   }
 #if THREADS > 1
   send_a(vec4(along[kLast], 0));

@@ -77,9 +77,9 @@ void tensionAlong(uint at) {
   for (int e = edges - 1; e >= 0; --e) {
     const StiffEdge edge = stiff_edges[at + uint(e)], inside = stiff_edges[at + uint(max(e - 1, 0))];
     const bool moves = edge.weight > 0.0, moves_in = e > 0 && inside.weight > 0.0;
-    putTensionRow(at + uint(e), eliminateTension(outside, moves, edge.mass, edge.first, edge.second,
-                                           select(moves, edge.tangent, vec3(0)), select(moves_in, edge.tangent, vec3(0)),
-                                           edge.excess, NORMAL_OF(edge)));
+    putTensionRow(at + uint(e),
+                  eliminateTension(outside, moves, edge.mass, edge.first, edge.second, select(moves, edge.tangent, vec3(0)),
+                                   select(moves_in, edge.tangent, vec3(0)), edge.excess, NORMAL_OF(edge)));
   }
   vec3 near = vec3(0), far = vec3(0);  // displacements of the next two vertices inwards, m
   float pulled = firstTension(outside);

@@ -2,18 +2,20 @@
 // holds joint, edge, and outer vertex of edge number PER_THREAD rank + p. Slots past the strand's last edge are padding:
 // copies of its tip without length and stiffness. Requires strand_threads.glsl, step_input.glsl and kernels/rod.h.
 
-layout(std430, binding = 0) buffer Positions { vec4 positions[]; };           // xyz, m; w: tension of the edge before, m/s^2
-layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };         // xyz, m/s; w: distance from bodies at rest, m
-layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; }; // xyz, m; w: inverse mass; see bonePoint()
-layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                 // x y z w, of the edge that starts at the vertex
-layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };       // xyz: rest strain; w: bending stiffness, m^2/s^2
+layout(std430, binding = 0) buffer Positions { vec4 positions[]; };            // xyz, m; w: tension of the edge before, m/s^2
+layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };          // xyz, m/s; w: distance from bodies at rest, m
+layout(std430, binding = 2) readonly buffer RestLocal { vec4 rest_local[]; };  // xyz, m; w: inverse mass; see bonePoint()
+layout(std430, binding = 9) buffer Frames { vec4 frames[]; };                  // x y z w, of the edge that starts at the vertex
+layout(std430, binding = 10) readonly buffer Joints { vec4 joints[]; };        // xyz: rest strain; w: bending stiffness, m^2/s^2
 #if (STRAND_UNIFORMITY == 1 || STRAND_UNIFORMITY == 2) && !BODIES
-layout(std430, binding = 11) readonly buffer Edges { float edge_rest[]; };    // rows: weight; length, weight; or as below
-layout(location = 11) uniform uint edge_row;                                  // floats per row: 1, 2 or 4
+layout(std430, binding = 11) readonly buffer Edges { float edge_rest[]; };  // rows: weight; length, weight; or as below
+layout(location = 11) uniform uint edge_row;                                // floats per row: 1, 2 or 4
 float restLengthAt(uint at) { return edge_rest[at * edge_row]; }
 float weightAt(uint at) { return edge_rest[at * edge_row + edge_row - 1u]; }
 #else
-layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };     // length, twist; mass, weight of the outer vertex (m, m^2/s^2)
+layout(std430, binding = 11) readonly buffer Edges {
+  vec4 edge_rest[];
+};  // length, twist; mass, weight of the outer vertex (m, m^2/s^2)
 float restLengthAt(uint at) { return edge_rest[at].x; }
 float weightAt(uint at) { return edge_rest[at].w; }
 #endif
@@ -40,25 +42,25 @@ StrandRest rest;
 #if STRAIGHT
 const bool kinked = false;
 #else
-bool kinked;        // isKinked()
+bool kinked;  // isKinked()
 #endif
-bool cut_unevenly;  // isCutUnevenly()
-bool between_pins;  // hangsBetweenPins()
-float correction_limit;        // correctionLimit()
-bool taut;          // isTaut()
-bool exists;  // false: past the last strand; works on a copy of it, because all invocations must reach every barrier
+bool cut_unevenly;       // isCutUnevenly()
+bool between_pins;       // hangsBetweenPins()
+float correction_limit;  // correctionLimit()
+bool taut;               // isTaut()
+bool exists;             // false: past the last strand; works on a copy of it, because all invocations must reach every barrier
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
 float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
 float most_tension;                 // m, bound on the warm start: tensionBound()
 #if STRAIGHT
-vec4 first_frame;                   // material frame of the strand's first edge
+vec4 first_frame;  // material frame of the strand's first edge
 #else
 vec4 frame[PER_THREAD];
-vec3 rest_strain[PER_THREAD];       // Darboux vector at rest of the joint of slot p
+vec3 rest_strain[PER_THREAD];  // Darboux vector at rest of the joint of slot p
 #endif
-vec3 x_in, v_in;                    // of the vertex before slot 0
-float bends[PER_THREAD];            // bending stiffness of the joint of slot p, m^2/s^2
+vec3 x_in, v_in;          // of the vertex before slot 0
+float bends[PER_THREAD];  // bending stiffness of the joint of slot p, m^2/s^2
 
 #if EDGES > 0
 const int edges = EDGES;
@@ -93,10 +95,10 @@ bool isTip(int p) {
 }
 
 #if GROOMED
-float keeps[PER_THREAD], keep_in;    // DragStep::keep
-float time2s[PER_THREAD];            // s^2, DragStep::time2
-float goal_stiffness[PER_THREAD];    // goalStiffness(); mass() includes it
-vec2 strand_grooming;                // the strand's factors of friction and damping time
+float keeps[PER_THREAD], keep_in;  // DragStep::keep
+float time2s[PER_THREAD];          // s^2, DragStep::time2
+float goal_stiffness[PER_THREAD];  // goalStiffness(); mass() includes it
+vec2 strand_grooming;              // the strand's factors of friction and damping time
 #define KEEP(p) keeps[p]
 #define KEEP_IN keep_in
 #define DAMPING_TIME (settings.damping_time * strand_grooming.y)
@@ -104,9 +106,7 @@ vec2 strand_grooming;                // the strand's factors of friction and dam
 // Goal stiffness of the outer vertex of the edge that starts at vertex `at`; `own`: its mass. Not for pinned vertices.
 float goalStiffnessOf(uint at, float own) { return goalStiffness(own, goalRateOf(at + 1u), settings.time2); }
 // Mass of that vertex in the bending matrix: with the drag's time2 and the goal stiffness.
-float groomedMass(uint at, float own) {
-  return madd(own, settings.time2 / time2Of(at + 1u), goalStiffnessOf(at, own));
-}
+float groomedMass(uint at, float own) { return madd(own, settings.time2 / time2Of(at + 1u), goalStiffnessOf(at, own)); }
 #else
 #define KEEP(p) settings.keep
 #define KEEP_IN settings.keep

@@ -3,9 +3,7 @@ struct RootPoses {
   Pose begin, end;  // at the start and the end of the step
 };
 
-Pose carriedRoot(Pose rest, Pose bone) {
-  return Pose(apply(bone, rest.position), multiply(bone.rotation, rest.rotation));
-}
+Pose carriedRoot(Pose rest, Pose bone) { return Pose(apply(bone, rest.position), multiply(bone.rotation, rest.rotation)); }
 RootPoses rootPoses(uint strand) {
   const uint bones = settings.bone_count, bone = offsets[2u * settings.strand_count + 1u + strand];
   const Pose rest = poseAt(2u * bones + strand);

@@ -5,12 +5,12 @@
 layout(local_size_x = TILE_SAMPLES) in;
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // xyz, m, world
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s
-struct SampleTile {  // gpu_compute/sample_tiles.h
+struct SampleTile {                                                             // gpu_compute/sample_tiles.h
   uint first_strand, strands, first_piece, pieces;
   uint edges, pieces_of_strand, parts, margin;
 };
 layout(std430, binding = 2) readonly buffer Tiles { SampleTile tiles[]; };
-layout(std430, binding = 3) readonly buffer Roots { uint roots[]; };  // first vertex of each strand, in the order of tiles
+layout(std430, binding = 3) readonly buffer Roots { uint roots[]; };   // first vertex of each strand, in the order of tiles
 layout(std430, binding = 10) readonly buffer Order { uint order[]; };  // per sample: strand + 65536 x piece, of the tile
 layout(std430, binding = 4) readonly buffer EdgeMasses { vec2 edge_masses[]; };  // kg, at the edge's start and end; 0 at tips
 

@@ -21,7 +21,7 @@ struct PlacedBody {  // units and frames: gpu_compute/placed_bodies.h
   float time;
   float bend_shift;
 };
-const float kAlike = 1e-4;  // m, bound on how differently bodies with one leader move points in a step
+const float kAlike = 1e-4;                      // m, bound on how differently bodies with one leader move points in a step
 layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   vec4 gravity;
   vec4 wind;
@@ -31,17 +31,18 @@ layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
   float per_substep;    // 1 / substep
   float strength_root;  // of the angular constraint, per iteration
   float strength_tip;
-  float damping_time;   // s, of the rod
-  float hair_radius;    // m
-  float air_drag;       // 1/s, before a strand's grooming factor
-  float goal_rate;      // 1/s
+  float damping_time;  // s, of the rod
+  float hair_radius;   // m
+  float air_drag;      // 1/s, before a strand's grooming factor
+  float goal_rate;     // 1/s
   uint substeps;
   uint iterations;
   uint body_count;
   uint strand_count;
   uint bone_count;
   uint neighbourhoods;  // number of near-body lists; 0: every strand may touch every body
-} settings;
+}
+settings;
 
 // Fraction of the step that has passed at the end of a substep, 0 to 1.
 float timeAfter(int substep) { return float(substep + 1) / float(settings.substeps); }
@@ -67,9 +68,7 @@ void storeGuide(uint vertex, vec3 position) {
 }
 
 #if ACCELERATED
-vec3 accelerationOf(uint vertex) {
-  return vec3(guides[3u * vertex], guides[3u * vertex + 1u], guides[3u * vertex + 2u]);
-}
+vec3 accelerationOf(uint vertex) { return vec3(guides[3u * vertex], guides[3u * vertex + 1u], guides[3u * vertex + 2u]); }
 #endif
 
 struct Pose {

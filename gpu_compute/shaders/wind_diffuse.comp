@@ -11,7 +11,7 @@
 layout(std430, binding = 0) readonly buffer Faces { float faces[]; };
 layout(std430, binding = 1) writeonly buffer Next { float next[]; };
 layout(std430, binding = 5) readonly buffer Exchange { vec4 exchange[]; };  // see wind_exchange.comp
-layout(location = 0) uniform float coefficient;  // viscosity x time / cell^2; stable below 1/6
+layout(location = 0) uniform float coefficient;                             // viscosity x time / cell^2; stable below 1/6
 
 void main() {
   int axis;

@@ -17,7 +17,8 @@ layout(std430, binding = 1) writeonly buffer Next { float next[]; };
 layout(std430, binding = 2) readonly buffer Solids { vec4 solids[]; };
 layout(std430, binding = 3) writeonly buffer Masks { uint masks[]; };  // see pressure_solve.glsl
 layout(std430, binding = 4) writeonly buffer Rights { float rights[]; };
-layout(std430, binding = 15) buffer Solve { uint fastest; } solve;
+layout(std430, binding = 15) buffer Solve { uint fastest; }
+solve;
 
 const float kLeastOfFace = 1.0 / 6.0;  // air/wind.h
 shared uint largest;

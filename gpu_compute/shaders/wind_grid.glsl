@@ -35,16 +35,15 @@ bool isBeyond(int axis, vec3 at) {
 struct Advected {
   float value, low, high;
 };
-#define ADVECTED(of, axis, at, result)                                                        \
-  {                                                                                           \
-    GridPlace corner = gridPlace(at, vec3(air.cells - 1) + vec3(along(axis)));                \
-    int first = faceAt(axis, ivec3(corner.low)), y = air.cells + 1, z = y * y;                \
-    float v[8] = float[8](of[first], of[first + 1], of[first + y], of[first + y + 1],         \
-                          of[first + z], of[first + z + 1], of[first + z + y],                \
-                          of[first + z + y + 1]);                                             \
-    result = Advected(interpolated(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], corner.part), v[0], v[0]); \
-    for (int n = 1; n < 8; ++n) {                                                             \
-      result.low = min(result.low, v[n]);                                                     \
-      result.high = max(result.high, v[n]);                                                   \
-    }                                                                                         \
+#define ADVECTED(of, axis, at, result)                                                                                  \
+  {                                                                                                                     \
+    GridPlace corner = gridPlace(at, vec3(air.cells - 1) + vec3(along(axis)));                                          \
+    int first = faceAt(axis, ivec3(corner.low)), y = air.cells + 1, z = y * y;                                          \
+    float v[8] = float[8](of[first], of[first + 1], of[first + y], of[first + y + 1], of[first + z], of[first + z + 1], \
+                          of[first + z + y], of[first + z + y + 1]);                                                    \
+    result = Advected(interpolated(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], corner.part), v[0], v[0]);           \
+    for (int n = 1; n < 8; ++n) {                                                                                       \
+      result.low = min(result.low, v[n]);                                                                               \
+      result.high = max(result.high, v[n]);                                                                             \
+    }                                                                                                                   \
   }

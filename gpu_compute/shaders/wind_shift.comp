@@ -22,8 +22,7 @@ void main() {
 #if CENTRES
   if (!ownCell(c)) return;
   vec4 middle = vec4(0);
-  for (int axis = 0; axis < 3; ++axis)
-    middle[axis] = 0.5 * (faces[faceAt(axis, c)] + faces[faceAt(axis, c + along(axis))]);
+  for (int axis = 0; axis < 3; ++axis) middle[axis] = 0.5 * (faces[faceAt(axis, c)] + faces[faceAt(axis, c + along(axis))]);
   centres[nodeAt(c)] = middle;
 #else
   ivec3 shift = ivec3(air.shift_x, air.shift_y, air.shift_z);
@@ -33,8 +32,10 @@ void main() {
   ivec3 from = c + shift;
   bool known = all(greaterThanEqual(from, ivec3(0))) && all(lessThan(from, ivec3(air.cells) + along(axis)));
   float value = 0.0;
-  if (known) value = faces[faceAt(axis, from)];
-  else if (air.open_border != 0) value = ambientAt(middleOfFace(axis, c))[axis];
+  if (known)
+    value = faces[faceAt(axis, from)];
+  else if (air.open_border != 0)
+    value = ambientAt(middleOfFace(axis, c))[axis];
   next[faceAt(axis, c)] = value;
 #endif
 }

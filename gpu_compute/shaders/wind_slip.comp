@@ -17,8 +17,8 @@ layout(std430, binding = 10) readonly buffer Slip { CellSlip slip[]; };
 // Mean of another velocity component over the cells on both sides of a face, m/s.
 float componentBetween(int component, int axis, ivec3 c) {
   ivec3 before = clampedCell(c - along(axis)), after = clampedCell(c), onward = along(component);
-  return 0.25 * (faces[faceAt(component, before)] + faces[faceAt(component, before + onward)] +
-                 faces[faceAt(component, after)] + faces[faceAt(component, after + onward)]);
+  return 0.25 * (faces[faceAt(component, before)] + faces[faceAt(component, before + onward)] + faces[faceAt(component, after)] +
+                 faces[faceAt(component, after + onward)]);
 }
 
 void main() {

@@ -9,8 +9,8 @@ layout(isolines, equal_spacing) in;
 #include "render/shaders/hair_vertex.glsl"
 #ifdef CAPTURE
 layout(xfb_buffer = 0, xfb_stride = 32) out;
-layout(location = 0, xfb_offset = 0) out vec4 captured_position;    // w: hair
-layout(location = 1, xfb_offset = 16) out vec4 captured_tangent;    // w: node
+layout(location = 0, xfb_offset = 0) out vec4 captured_position;  // w: hair
+layout(location = 1, xfb_offset = 16) out vec4 captured_tangent;  // w: node
 #endif
 layout(location = 1) patch in uint first_hair;
 layout(location = 2) patch in uint first_segment;

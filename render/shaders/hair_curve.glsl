@@ -27,7 +27,7 @@ struct Hair {
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };
 layout(std430, binding = 11) readonly buffer HairList { uint hair_list[]; };  // indices of this picture's hairs
-const int kExampleParts = 256;  // CurlExample::kParts
+const int kExampleParts = 256;                                                // CurlExample::kParts
 // GrowthBlock in render/hair_growth.h, field for field.
 layout(std140, binding = 1) uniform Growth {
   vec4 profile;
@@ -36,13 +36,14 @@ layout(std140, binding = 1) uniform Growth {
   float clearance;
   float zone;
   vec4 example[kExampleParts + 1];  // CurlExample::samples
-} growth;
+}
+growth;
 
 struct HairPoint {
   vec3 position;
   vec3 derivative;  // with respect to u, up to a component along the tangent
-  float u;  // fraction of the guide's length
-  float along;  // fraction of the hair's length
+  float u;          // fraction of the guide's length
+  float along;      // fraction of the hair's length
   bool usable;
 };
 
@@ -54,8 +55,8 @@ AcrossGuide acrossGuide(Hair hair, float u, Closing closing) {
   float place = u * float(kExampleParts);
   int part = min(int(place), kExampleParts - 1);
   vec4 a = growth.example[part], b = growth.example[part + 1];
-  return bothAcross(across, exampleAcross(vec3(a.xy, 0), vec3(b.xy, 0), vec3(a.zw, 0), vec3(b.zw, 0),
-                                          1.0 / float(kExampleParts), place - float(part), hair.curl_phase, hair.example_scale));
+  return bothAcross(across, exampleAcross(vec3(a.xy, 0), vec3(b.xy, 0), vec3(a.zw, 0), vec3(b.zw, 0), 1.0 / float(kExampleParts),
+                                          place - float(part), hair.curl_phase, hair.example_scale));
 }
 
 // `bodies`: closing on one guide because of bodies, 0 to 1, and its derivative with respect to u.
@@ -75,8 +76,8 @@ HairPoint freeHair(Hair hair, uint wanted_node, vec2 bodies) {
   Closing closing = hairClosing(u, hair.clump, bodies.x, bodies.y);
   AcrossGuide across = acrossGuide(hair, u, closing);
   point.position = hairPosition(pa.xyz, ab, ac, hair.weights.x, hair.weights.y, closing, across, normal, binormal);
-  point.derivative = hairDerivative(da, nodes[b + 1u].xyz - da, nodes[c + 1u].xyz - da, ab, ac, hair.weights.x,
-                                    hair.weights.y, closing, across, normal, binormal);
+  point.derivative = hairDerivative(da, nodes[b + 1u].xyz - da, nodes[c + 1u].xyz - da, ab, ac, hair.weights.x, hair.weights.y,
+                                    closing, across, normal, binormal);
   point.u = u;
   point.along = float(node) / last;
   point.usable = pa.w * pb.w * pc.w > 0.5;

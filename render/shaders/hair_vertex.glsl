@@ -30,7 +30,7 @@ float detailWidth(Hair hair, out float left) {
 }
 
 #ifndef COLOR
-uniform int map_light;  // index of the light
+uniform int map_light;            // index of the light
 uniform float line_texels = 1.0;  // line width in the opacity map, texels
 
 // Coverage per texel of a line for a hair of width 1 in the light's maps: the hair's cross section perpendicular to the

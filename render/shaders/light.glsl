@@ -10,7 +10,8 @@ bool castsShadow(int light) { return light < CASTERS; }
 bool lightHasPlace(int light) { return scene.lights[light].place.w > 0.5; }
 
 vec3 towardsLight(int light, vec3 world) {
-  return lightHasPlace(light) ? normalize(scene.lights[light].place.xyz - world + vec3(0, 1e-12, 0)) : scene.lights[light].way.xyz;
+  return lightHasPlace(light) ? normalize(scene.lights[light].place.xyz - world + vec3(0, 1e-12, 0))
+                              : scene.lights[light].way.xyz;
 }
 
 // Irradiance perpendicular to the light's direction, unshadowed: inverse-square law and spot cone.

@@ -18,4 +18,5 @@ layout(std140, binding = 0) uniform Scene {
   vec4 sampling;
   vec4 opacity;
   LightBlock lights[4];
-} scene;
+}
+scene;

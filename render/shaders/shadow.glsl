@@ -2,7 +2,7 @@
 // maps, Yuksel and Keyser 2008). Needs scene.glsl.
 // Arrays have one layer (hair_opacity: one run of slices) per light:
 layout(binding = 0) uniform sampler2DArrayShadow solid_depth;
-layout(binding = 1) uniform sampler2DArray hair_front;  // depth of the hair nearest to the light, coarse for smoothness
+layout(binding = 1) uniform sampler2DArray hair_front;    // depth of the hair nearest to the light, coarse for smoothness
 layout(binding = 2) uniform sampler2DArray hair_opacity;  // optical depth from the front to the end of each layer
 
 // Coordinates 0 to 1 in the maps; (-1, -1, -1), outside the maps and so lit, for points behind the light.

@@ -99,7 +99,7 @@ std::vector<MovingPrimitive> movingBodies(float dt) {
 }
 
 std::vector<float> restDistancesAtStart(const StrandState& from, std::span<const MovingPrimitive> bodies,
-                                      std::span<const uint32_t> words) {
+                                        std::span<const uint32_t> words) {
   constexpr float kDeeper = 1e-3f;  // m
   std::vector<float> distances(from.positions.size(), kFarFromBodies);
   for (size_t v = 0; v < distances.size(); ++v)

@@ -47,7 +47,7 @@ SurfaceBend bendOfRing();
 /// StrandModel::rest_distance that lets vertices that start inside a body stay, up to 1 mm deeper. Hair that
 /// has to leave a body from centimetres of depth depends on the last bit of its position.
 std::vector<float> restDistancesAtStart(const StrandState& from, std::span<const MovingPrimitive> bodies,
-                                      std::span<const uint32_t> words = {});
+                                        std::span<const uint32_t> words = {});
 
 /// Samples a signed distance function (m) inside `box`, in cells of `cell` m. Bricks within `band` m of the
 /// surface are stored.

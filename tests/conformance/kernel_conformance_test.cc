@@ -573,7 +573,7 @@ TEST(KernelConformance, AnEdgeIsTurnedIntoTheCreaseOfTwoPlanes) {
   const auto heights_of = [&](const k::real3& x, double first_height, double second_height) {
     const k::real3 carried = x + (first + second) * 0.01;  // outside before the substep
     const k::real3 out = k::rotatedIntoCrease(x, inner, carried, first, k::dot(first, x) - first_height,
-                                             carried, second, k::dot(second, x) - second_height, kLength);
+                                              carried, second, k::dot(second, x) - second_height, kLength);
     EXPECT_NEAR(k::length(out), kLength, 1e-12);
     EXPECT_GT(out.z, -1e-12) << "on the side where it was";
     return std::pair(k::dot(first, out) - first_height, k::dot(second, out) - second_height);

@@ -8,9 +8,7 @@ constexpr Four kOnes = 0x0001000100010001, kEven = 0x0000ffff0000ffff, kTwo = 0x
 HWY_INLINE uint64_t lowBits(uint32_t count) { return (uint64_t{1} << count) - 1; }
 
 /// zigzag() of each number, and its inverse.
-HWY_INLINE Four folded(Four numbers) {
-  return (numbers & 0x7fff * kOnes) << 1 ^ ((numbers >> 15 & kOnes) * 0xffff);
-}
+HWY_INLINE Four folded(Four numbers) { return (numbers & 0x7fff * kOnes) << 1 ^ ((numbers >> 15 & kOnes) * 0xffff); }
 HWY_INLINE Four unfolded(Four z) { return (z >> 1 & 0x7fff * kOnes) ^ ((z & kOnes) * 0xffff); }
 
 struct BitBlock {
@@ -76,8 +74,7 @@ HWY_INLINE void takeBlock(const uint8_t* from, uint32_t width, uint16_t* numbers
   const auto bit = hn::Mul(hn::Iota(lanes, 0), hn::Set(lanes, width));
   const auto places = hn::Add(hn::Mul(hn::ShiftRight<3>(bit), hn::Set(lanes, 0x01010101)), hn::Set(lanes, 0x03020100));
   const auto words = hn::BitCast(lanes, hn::TableLookupBytes(hn::LoadDup128(bytes, from), hn::BitCast(bytes, places)));
-  const auto z = hn::And(hn::Shr(words, hn::And(bit, hn::Set(lanes, 7))),
-                         hn::Set(lanes, static_cast<uint32_t>(lowBits(width))));
+  const auto z = hn::And(hn::Shr(words, hn::And(bit, hn::Set(lanes, 7))), hn::Set(lanes, static_cast<uint32_t>(lowBits(width))));
   const auto sign = hn::Sub(hn::Zero(lanes), hn::And(z, hn::Set(lanes, 1)));
   const auto number = hn::And(hn::Xor(hn::ShiftRight<1>(z), sign), hn::Set(lanes, 0xffff));
   const hn::Rebind<int32_t, decltype(lanes)> whole;

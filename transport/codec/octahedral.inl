@@ -7,9 +7,7 @@ struct OctahedralPoint {
   real u, v;
 };
 
-FN real octahedralFold(real across, real along) {
-  return (lit(1) - abs(across)) * select(along >= lit(0), lit(1), lit(-1));
-}
+FN real octahedralFold(real across, real along) { return (lit(1) - abs(across)) * select(along >= lit(0), lit(1), lit(-1)); }
 
 /// Metric of the squared angle, to first order, by which the direction turns when the point moves by (du, dv): the
 /// movement on the octahedron without its component along the direction.
@@ -26,10 +24,8 @@ FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
   const real3 p = direction * (lit(1) / (abs(direction.x) + abs(direction.y) + abs(direction.z)));
   const real sign_x = select(p.x >= lit(0), lit(1), lit(-1)), sign_y = select(p.y >= lit(0), lit(1), lit(-1));
   const mask below = p.z < lit(0);
-  const real at_u =
-      clamp(select(below, octahedralFold(p.y, p.x), p.x) * lit(0.5) + lit(0.5), lit(0), lit(1)) * steps;
-  const real at_v =
-      clamp(select(below, octahedralFold(p.x, p.y), p.y) * lit(0.5) + lit(0.5), lit(0), lit(1)) * steps;
+  const real at_u = clamp(select(below, octahedralFold(p.y, p.x), p.x) * lit(0.5) + lit(0.5), lit(0), lit(1)) * steps;
+  const real at_v = clamp(select(below, octahedralFold(p.x, p.y), p.y) * lit(0.5) + lit(0.5), lit(0), lit(1)) * steps;
   const real u = nearestWhole(at_u), v = nearestWhole(at_v);
   const real off_u = u - at_u, off_v = v - at_v;
   real other_u = u - select(off_u < lit(0), lit(-1), lit(1)), other_v = v - select(off_v < lit(0), lit(-1), lit(1));
@@ -41,8 +37,7 @@ FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
   const real radial_u = select(below, turned * p.y, p.x) - sign_x * p.z;
   const real radial_v = select(below, turned * p.x, p.y) - sign_y * p.z;
   const real inverse_square = lit(1) / (p.x * p.x + (p.y * p.y + p.z * p.z));
-  const OctahedralMetric metric{lit(2) - radial_u * radial_u * inverse_square,
-                                across - radial_u * radial_v * inverse_square,
+  const OctahedralMetric metric{lit(2) - radial_u * radial_u * inverse_square, across - radial_u * radial_v * inverse_square,
                                 lit(2) - radial_v * radial_v * inverse_square};
   OctahedralPoint best{u, v};
   real least = turnOf(metric, off_u, off_v);

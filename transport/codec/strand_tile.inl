@@ -2,9 +2,9 @@
 
 /// As many strands of a run as there are lanes.
 struct Tile {
-  uint32_t first = 0;                    ///< index of the first strand in the run
-  size_t rows = 0;                       ///< vertices of the longest strand
-  std::array<size_t, kLanes> counts{};   ///< vertices of each strand; 0 in lanes beyond the run
+  uint32_t first = 0;                     ///< index of the first strand in the run
+  size_t rows = 0;                        ///< vertices of the longest strand
+  std::array<size_t, kLanes> counts{};    ///< vertices of each strand; 0 in lanes beyond the run
   std::array<size_t, kLanes> vertices{};  ///< first vertex of each strand, in the run
   size_t lanes = 0;                       ///< lanes that have a strand
 
@@ -100,8 +100,7 @@ HWY_INLINE void transposeIn(Streams<const float*>& streams, float* rows) {
   }
 #endif
   for (size_t l = 0; l < streams.lanes; ++l) {
-    for (size_t i = done; i < streams.counts[l]; ++i)
-      std::memcpy(rows + i * kRow + l, streams.at[l] + i, sizeof(float));
+    for (size_t i = done; i < streams.counts[l]; ++i) std::memcpy(rows + i * kRow + l, streams.at[l] + i, sizeof(float));
   }
 }
 /// The inverse of transposeIn().
@@ -116,8 +115,7 @@ HWY_INLINE void draw(const float* rows, const Streams<float*>& streams) {
   }
 #endif
   for (size_t l = 0; l < streams.lanes; ++l) {
-    for (size_t i = done; i < streams.counts[l]; ++i)
-      std::memcpy(streams.at[l] + i, rows + i * kRow + l, sizeof(float));
+    for (size_t i = done; i < streams.counts[l]; ++i) std::memcpy(streams.at[l] + i, rows + i * kRow + l, sizeof(float));
   }
 }
 
@@ -153,14 +151,13 @@ struct LaneFrame {
   }
   HWY_INLINE real3 toHead(const real3& world) const {
     const real3 p = world - position;
-    return makeReal3(m[0][0] * p.x + (m[1][0] * p.y + m[2][0] * p.z),
-                     m[0][1] * p.x + (m[1][1] * p.y + m[2][1] * p.z),
+    return makeReal3(m[0][0] * p.x + (m[1][0] * p.y + m[2][0] * p.z), m[0][1] * p.x + (m[1][1] * p.y + m[2][1] * p.z),
                      m[0][2] * p.x + (m[1][2] * p.y + m[2][2] * p.z));
   }
   HWY_INLINE real3 toWorld(const real3& p) const {
-    return makeReal3(m[0][0] * p.x + (m[0][1] * p.y + m[0][2] * p.z),
-                     m[1][0] * p.x + (m[1][1] * p.y + m[1][2] * p.z),
-                     m[2][0] * p.x + (m[2][1] * p.y + m[2][2] * p.z)) + position;
+    return makeReal3(m[0][0] * p.x + (m[0][1] * p.y + m[0][2] * p.z), m[1][0] * p.x + (m[1][1] * p.y + m[1][2] * p.z),
+                     m[2][0] * p.x + (m[2][1] * p.y + m[2][2] * p.z)) +
+           position;
   }
 };
 

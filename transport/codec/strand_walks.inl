@@ -5,8 +5,7 @@ struct Rows {
   size_t plane = 0, symbol_plane = 0;
   float* numbers = nullptr;
   uint16_t* symbols = nullptr;
-  Rows(LaneRows& rows, const GuideGeometry& geometry, const StrandRun& run, size_t planes,
-       size_t symbol_planes) {
+  Rows(LaneRows& rows, const GuideGeometry& geometry, const StrandRun& run, size_t planes, size_t symbol_planes) {
     size_t most = 0;
     for (uint32_t s = run.first_strand; s < run.first_strand + run.strand_count; ++s)
       most = std::max<size_t>(most, geometry.offsets[s + 1] - geometry.offsets[s]);
@@ -52,11 +51,9 @@ HWY_INLINE void drawPositions(const Tile& tile, const float* rows, Vec3* positio
   draw(rows, streams);
 }
 /// Row i holds the length of the edge that ends at vertex i; row 0 holds no edge.
-HWY_INLINE void pourLengths(const Tile& tile, const GuideGeometry& geometry, const StrandRun& run,
-                            float* rows) {
+HWY_INLINE void pourLengths(const Tile& tile, const GuideGeometry& geometry, const StrandRun& run, float* rows) {
   Streams<const float*> streams;
-  for (size_t l = 0; l < tile.lanes; ++l)
-    streams.add(&geometry.lengths[run.first_vertex + tile.vertices[l]], tile.counts[l]);
+  for (size_t l = 0; l < tile.lanes; ++l) streams.add(&geometry.lengths[run.first_vertex + tile.vertices[l]], tile.counts[l]);
   transposeIn(streams, rows);
 }
 HWY_INLINE void pourEdges(const Tile& tile, const uint16_t* edges, uint16_t* rows) {
@@ -76,8 +73,7 @@ HWY_INLINE void pourPairs(const Tile& tile, const uint16_t* edges, float* rows) 
 }
 HWY_INLINE void drawPairs(const Tile& tile, const float* rows, uint16_t* edges) {
   Streams<float*> streams;
-  for (size_t l = 0; l < tile.lanes; ++l)
-    streams.add(reinterpret_cast<float*>(edges + 2 * tile.edge(l)), tile.counts[l] - 1);
+  for (size_t l = 0; l < tile.lanes; ++l) streams.add(reinterpret_cast<float*>(edges + 2 * tile.edge(l)), tile.counts[l] - 1);
   draw(rows + kRow, streams);
 }
 
@@ -96,8 +92,8 @@ void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
     for (size_t i = 1; i < tile.rows; ++i) {
       const real3 wanted = row3(rows.numbers, i), local = frame.toHead(wanted);
       const mask is_there = lengths.has(i);
-      const real3 index = makeReal3(gridNumber(local.x, step, most), gridNumber(local.y, step, most),
-                                    gridNumber(local.z, step, most));
+      const real3 index =
+          makeReal3(gridNumber(local.x, step, most), gridNumber(local.y, step, most), gridNumber(local.z, step, most));
       const real3 edge = index - before;
       const real low = min(edge.x, min(edge.y, edge.z)), high = max(edge.x, max(edge.y, edge.z));
       const mask fits = low >= lit(-32768) && high <= lit(32767);
@@ -131,11 +127,9 @@ void decodeDelta(const StrandDecoding& job, LaneRows& lane_rows) {
   const real step = lit(job.step);
   const size_t edges = edgesOf(job.run);
   forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    for (size_t c = 0; c < 3; ++c)
-      pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
+    for (size_t c = 0; c < 3; ++c) pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
     const real3 root = perStrand(tile, job.roots);
-    Words x = hn::ConvertTo(WordTag(), root.x.v), y = hn::ConvertTo(WordTag(), root.y.v),
-          z = hn::ConvertTo(WordTag(), root.z.v);
+    Words x = hn::ConvertTo(WordTag(), root.x.v), y = hn::ConvertTo(WordTag(), root.y.v), z = hn::ConvertTo(WordTag(), root.z.v);
     const Words mask = hn::Set(WordTag(), 0xffff);
     Symbols along_x{rows.symbols, job.along_strand, mask};
     Symbols along_y{rows.symbols + rows.symbol_plane, job.along_strand, mask};
@@ -175,8 +169,7 @@ void encodeOctahedral(const StrandEncoding& job, LaneRows& lane_rows) {
       const real squared = edge.x * edge.x + (edge.y * edge.y + edge.z * edge.z);
       const mask has_direction = squared > lit(0) && squared < lit(kMaxSquaredEdge);  // false for NaN
       const OctahedralPoint nearest = toOctahedral(edge, steps);
-      const OctahedralPoint point{select(has_direction, nearest.u, lit(0)),
-                                  select(has_direction, nearest.v, lit(0))};
+      const OctahedralPoint point{select(has_direction, nearest.u, lit(0)), select(has_direction, nearest.v, lit(0))};
       setSymbolRow(rows.symbols, i, point.u);
       setSymbolRow(rows.symbols + rows.symbol_plane, i, point.v);
       before = before + fromOctahedral(point, steps) * row(length_rows, i);
@@ -194,8 +187,7 @@ void decodeOctahedral(const StrandDecoding& job, LaneRows& lane_rows) {
   const size_t edges = edgesOf(job.run);
   float* const length_rows = rows.numbers + 3 * rows.plane;
   forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    for (size_t c = 0; c < 2; ++c)
-      pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
+    for (size_t c = 0; c < 2; ++c) pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
     pourLengths(tile, job.geometry, job.run, length_rows);
     const Words mask = hn::Set(WordTag(), (1 << job.bits) - 1);
     Symbols u{rows.symbols, job.along_strand, mask};
@@ -229,8 +221,7 @@ void restDirections(const GuideGeometry& geometry, const StrandRun& run, Directi
 class Predictor {
  public:
   HWY_INLINE Predictor(const DirectionRows& rest, const TangentHistory* history, size_t begin)
-      : last_((history ? history->last : rest).data() + begin),
-        before_(history ? history->before().data() + begin : nullptr) {}
+      : last_((history ? history->last : rest).data() + begin), before_(history ? history->before().data() + begin : nullptr) {}
   HWY_INLINE real3 next(size_t i) {
     real3 reference = row3(last_, i - 1);
     if (before_) reference = unit((reference + reference) - row3(before_, i - 1));
@@ -271,8 +262,7 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
       const real ahead = plainDot(way, predicted), scale = long_enough / (ahead * step);
       const real u = plainDot(way, axis_u) * scale, v = plainDot(way, axis_v) * scale;
       // Where no symbols fit (NaN included), the error is too large and the strand is sent as float32.
-      const mask holds =
-          ahead > lit(0.05f) * long_enough && abs(u) < lit(32767) && abs(v) < lit(32767);
+      const mask holds = ahead > lit(0.05f) * long_enough && abs(u) < lit(32767) && abs(v) < lit(32767);
       const real whole_u = nearestWhole(select(holds, u, lit(0))), whole_v = nearestWhole(select(holds, v, lit(0)));
       setPairRow(pair_rows, i, whole_u, whole_v);
       const real by = step / long_enough;

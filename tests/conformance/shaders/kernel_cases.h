@@ -178,8 +178,9 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
   } else if (kernel == 38) {
     real3 kept_friction;
     real follows;
-    out3(o, 0, positionOnSurface(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14],
-                         madd(in3(i, 9), i.v[15], in3(i, 6)), follows, kept_friction));
+    out3(o, 0,
+         positionOnSurface(in3(i, 0), in3(i, 3), in3(i, 6), in3(i, 9), i.v[12], i.v[13], i.v[14],
+                           madd(in3(i, 9), i.v[15], in3(i, 6)), follows, kept_friction));
     o.v[3] = follows;
     out3(o, 4, kept_friction);
   } else if (kernel == 39) {
@@ -187,8 +188,9 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
   } else if (kernel == 40) {
     real3 t = directionOfPiece(in3(i, 7));
     real slip = i.v[10] * i.v[6];
-    out3(o, 0, draggedAmong(in3(i, 0), in3(i, 3), i.v[6], makeReal3(t.x * t.x, t.y * t.y, t.z * t.z) * slip,
-                            makeReal3(t.y * t.z, t.x * t.z, t.x * t.y) * slip));
+    out3(o, 0,
+         draggedAmong(in3(i, 0), in3(i, 3), i.v[6], makeReal3(t.x * t.x, t.y * t.y, t.z * t.z) * slip,
+                      makeReal3(t.y * t.z, t.x * t.z, t.x * t.y) * slip));
     out3(o, 3, t);
   }
   return o;
