@@ -140,7 +140,7 @@ TEST(Usda, FilesSayTheirUnit) {
         [&] {
           loadGroom({folder / first, folder / (first[0] == 'm' ? "unsaid.tfx" : "m.usda")}, {});
         },
-        {"others do not", "--unit-meters"});
+        {"only some of the files give their unit", "--unit-meters"});
 }
 
 TEST(Usda, StagesOfSeveralUnitsAreEachReadInTheirOwn) {

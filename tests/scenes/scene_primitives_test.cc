@@ -160,7 +160,7 @@ TEST_F(ScenePrimitives, WithoutASkinThereIsNoJointToHangOn) {
   ball.joint = "hand";
   options_.primitives = {ball};
   const std::string told = error();
-  EXPECT_NE(told.find("the body is not skinned: there is no joint 'hand'"), std::string::npos) << told;
+  EXPECT_NE(told.find("the body is not skinned, so it has no joint 'hand'"), std::string::npos) << told;
   EXPECT_NE(told.find("hair.toml line 9; give [body]"), std::string::npos) << told;
 }
 

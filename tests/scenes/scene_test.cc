@@ -207,7 +207,7 @@ TEST_F(BallScene, ABodyThatEnclosesNothingIsWarnedOf) {
   options_.body_cell = 0;
   for (const char* body : {"quad.obj", "sliver.obj"}) {
     options_.body = folder_ / body;
-    EXPECT_TRUE(isIn(makeScene(options_).warnings, "hair passes through it")) << body;
+    EXPECT_TRUE(isIn(makeScene(options_).warnings, "hair passes through the body")) << body;
   }
 }
 

@@ -413,7 +413,7 @@ TEST_F(SkinRootsOfAnArm, AFarWalkersStayOnItsSkinFromAnOriginOfItsOwn) {
 TEST_F(SkinRootsOfAnArm, OfAnotherModelAreRefused) {
   const Scene scene = furry(20);
   StrandModel model = sceneModel(scene);
-  expectError([&] { scene.skinned->roots()->addTo(model); }, {"not those of this model"});
+  expectError([&] { scene.skinned->roots()->addTo(model); }, {"do not belong to this model"});
 }
 
 }  // namespace
