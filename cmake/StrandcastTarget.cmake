@@ -83,6 +83,7 @@ include(GoogleTest)
 # other sanitizers, builds all tests without the labels slow, gl (needs OpenGL), measures (benchmarks and validation), programs
 # and sources (reads only the project's files). Every entry also has the label NAME.
 # FILTER: a --gtest_filter; other cases are no entries.
+# With a sanitizer each program is one entry, NAME.
 # ON_NETWORK: entries run one at a time and start first, because they mostly wait.
 # WHOLE: one entry, NAME, for all cases that match this --gtest_filter, because their common set-up takes longer than they do.
 # COMPILES_SHADERS: in the entry of WHOLE llvmpipe compiles shaders of the rod for minutes. Such entries run one at a time, highest
@@ -110,6 +111,12 @@ function(strandcast_test name)
   if(ARG_RUN_SERIAL)
     list(APPEND properties RUN_SERIAL ON)
   endif()
+  if(STRANDCAST_SANITIZE AND NOT ARG_WHOLE)  # the start of a process takes longer than most cases
+    set(ARG_WHOLE *)
+    if(ARG_FILTER)
+      set(ARG_WHOLE ${ARG_FILTER})
+    endif()
+  endif()
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name} --gtest_filter=${ARG_WHOLE} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
     set_tests_properties(${name} PROPERTIES ${properties} LABELS "${labels}" ENVIRONMENT "${ARG_ENVIRONMENT}")
@@ -118,7 +125,7 @@ function(strandcast_test name)
     endif()
     string(APPEND ARG_FILTER "-${ARG_WHOLE}")
   endif()
-  if(NOT ARG_WHOLE STREQUAL "*")
+  if(NOT STRANDCAST_SANITIZE AND NOT ARG_WHOLE STREQUAL "*")
     gtest_discover_tests(${name}
       TEST_PREFIX ${name}.
       TEST_FILTER "${ARG_FILTER}"
