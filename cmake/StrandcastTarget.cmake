@@ -76,20 +76,20 @@ endfunction()
 include(GoogleTest)
 
 # strandcast_test(NAME SOURCES ... LINK ... [TIMEOUT s] [LABELS ...] [ENVIRONMENT A=b ...] [FILTER pattern] [ON_NETWORK]
-# [COMPILES_SHADERS cost] [RUN_SERIAL] [WHOLE pattern]): a GoogleTest program. Each test case is one entry of ctest, NAME.SUITE.CASE.
+# [COMPILES_SHADERS cost] [RUN_SERIAL] [WHOLE]): a GoogleTest program. Each test case is one entry of ctest, NAME.SUITE.CASE.
 # ctest finds the cases when it starts.
 # TIMEOUT: of one entry, 120 s by default; sanitizers triple it.
 # LABELS: "threads" runs under the thread sanitizer; the target thread_tests builds all of these. The target quick_tests, for the
 # other sanitizers, builds all tests without the labels slow, gl (needs OpenGL), measures (benchmarks and validation), programs
 # and sources (reads only the project's files). Every entry also has the label NAME.
-# FILTER: a --gtest_filter; other cases are no entries.
-# With a sanitizer each program is one entry, NAME.
+# FILTER: a --gtest_filter; other cases do not run.
 # ON_NETWORK: entries run one at a time and start first, because they mostly wait.
-# WHOLE: one entry, NAME, for all cases that match this --gtest_filter, because their common set-up takes longer than they do.
-# COMPILES_SHADERS: in the entry of WHOLE llvmpipe compiles shaders of the rod for minutes. Such entries run one at a time, highest
-# cost first, so that later ones find common shaders in Mesa's disk cache.
+# WHOLE: one entry, NAME, for all cases, because their common set-up takes longer than they do. With a sanitizer every program is
+# one entry: the start of its process takes longer than most cases.
+# COMPILES_SHADERS, with WHOLE: llvmpipe compiles shaders of the rod for minutes. Such entries run one at a time, highest cost
+# first, so that later ones find common shaders in Mesa's disk cache.
 function(strandcast_test name)
-  cmake_parse_arguments(ARG "ON_NETWORK;RUN_SERIAL" "TIMEOUT;COMPILES_SHADERS;FILTER;WHOLE" "SOURCES;LINK;LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "ON_NETWORK;RUN_SERIAL;WHOLE" "TIMEOUT;COMPILES_SHADERS;FILTER" "SOURCES;LINK;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -107,25 +107,20 @@ function(strandcast_test name)
   set(properties TIMEOUT ${ARG_TIMEOUT})
   if(ARG_ON_NETWORK)
     list(APPEND properties RESOURCE_LOCK network COST 1000)
+  elseif(ARG_COMPILES_SHADERS)
+    list(APPEND properties RESOURCE_LOCK shaders COST ${ARG_COMPILES_SHADERS})
   endif()
   if(ARG_RUN_SERIAL)
     list(APPEND properties RUN_SERIAL ON)
   endif()
-  if(STRANDCAST_SANITIZE AND NOT ARG_WHOLE)  # the start of a process takes longer than most cases
-    set(ARG_WHOLE *)
+  if(ARG_WHOLE OR STRANDCAST_SANITIZE)
+    set(filter)
     if(ARG_FILTER)
-      set(ARG_WHOLE ${ARG_FILTER})
+      set(filter --gtest_filter=${ARG_FILTER})
     endif()
-  endif()
-  if(ARG_WHOLE)
-    add_test(NAME ${name} COMMAND ${name} --gtest_filter=${ARG_WHOLE} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+    add_test(NAME ${name} COMMAND ${name} ${filter} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
     set_tests_properties(${name} PROPERTIES ${properties} LABELS "${labels}" ENVIRONMENT "${ARG_ENVIRONMENT}")
-    if(ARG_COMPILES_SHADERS)
-      set_tests_properties(${name} PROPERTIES RESOURCE_LOCK shaders COST ${ARG_COMPILES_SHADERS})
-    endif()
-    string(APPEND ARG_FILTER "-${ARG_WHOLE}")
-  endif()
-  if(NOT STRANDCAST_SANITIZE AND NOT ARG_WHOLE STREQUAL "*")
+  else()
     gtest_discover_tests(${name}
       TEST_PREFIX ${name}.
       TEST_FILTER "${ARG_FILTER}"
