@@ -16,8 +16,8 @@ void addPictureOptions(CLI::App& app, PictureOptions& options);
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float hair_reach = 0);
 /// Passes groom and body to the renderer and clears its obstacles.
 void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body);
-/// Whether obstacles change the picture: hair is kept out of them, is marked in them, or they carry a skinned
-/// body.
+/// Whether obstacles change the picture: the penetration of grown hair into them is resolved or marked, or
+/// they carry a skinned body.
 bool needsObstacles(const PictureOptions& options, const ColliderSet* colliders);
 /// Passes the obstacles that the picture needs to the renderer; none where it needs none.
 void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,

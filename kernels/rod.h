@@ -250,7 +250,7 @@ FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length
 }
 // Conjugate gradient iterations (Shewchuk 1994, algorithm B3) for the length system in the dense metric J A^-1 J',
 // docs/solver.md (21), preconditioned with the tridiagonal system. Two are accurate enough; with one, some stiff
-// strands never calm down.
+// strands do not come to rest.
 const int kTensionIterations = 2;
 // Whether tension increments are found by elimination (kernels/stiff_tensions.h) in place of conjugate gradients. The
 // residual of the iterations is left to exact lengths, which bends joints; stiff kinked strands never came to rest

@@ -12,7 +12,7 @@ namespace strandcast {
 /// Id of an obstacle that is not a collider of a ColliderSet.
 constexpr uint32_t kNoCollider = 0xFFFFFFFF;
 
-/// A body that grown hair is kept out of.
+/// A body for which the penetration of grown hair is resolved.
 struct HairObstacle {
   ContactPrimitive shape;    ///< m, in the rest frame of the head, or in the obstacle's own frame
   bool follows_head = true;  ///< otherwise place() sets the pose, or it stays at `pose`

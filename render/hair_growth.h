@@ -86,7 +86,7 @@ struct GrowthBlock {
   float profile[3];  ///< HairGrowth::lock_profile
   float unused = 0;
   uint32_t segments;    ///< per guide
-  uint32_t bodies = 0;  ///< number of bodies that hair is kept out of
+  uint32_t bodies = 0;  ///< number of bodies whose penetration is resolved
   float clearance = 0;  ///< m, distance that hair keeps from bodies
   float zone = 0.15f;   ///< fraction of the length over which a hair closes in on one guide before a body
   std::array<CurlExample::Sample, CurlExample::kParts + 1> example{};

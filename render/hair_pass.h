@@ -30,9 +30,9 @@ class HairPass {
   /// Selects the hairs of a picture and their order; HairDetail::hairs counts from the first of these.
   /// Initially all, in their given order.
   void select(std::span<const uint32_t> hairs);
-  /// The bodies that the hair is kept out of, and the clearance, m.
+  /// The bodies whose penetration by hair is resolved, and the clearance, m.
   HairBodies& bodies() { return bodies_; }
-  /// Whether hair is kept out of bodies; otherwise they serve only for marks.
+  /// Whether penetration into bodies is resolved; otherwise they serve only for marks.
   void keepOut(bool keep) { keep_out_ = keep; }
   void setClearance(float clearance) { block_.clearance = clearance; }
   const std::vector<Hair>& hairs() const { return hairs_; }
@@ -52,7 +52,7 @@ class HairPass {
   /// Makes `program` (of tessellatedStages()) current with the buffers and uniforms for `detail`.
   void bind(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail) const;
   void drawPatches(const GuideNodes& nodes, const HairDetail& detail) const;
-  /// Binds guides, hairs and all obstacles, even where hair is not kept out of them, until hair is drawn.
+  /// Binds guides, hairs and all obstacles, even where penetration is not resolved, until hair is drawn.
   void bindForMarks(const GuideNodes& nodes);
   /// The vertices grown last, with kCompute.
   const HairVertices& vertices() const { return vertices_; }

@@ -55,8 +55,8 @@ class Renderer {
   float hairReach() const;
   /// A mesh without triangles draws no body.
   void setBody(const BodyDescription& body);
-  /// Sets the bodies that grown hair is kept out of, or that are marked; initially none. Throws Error on an
-  /// invalid shape.
+  /// Sets the obstacles of grown hair: penetration into them is resolved or marked. Initially none. Throws
+  /// Error on an invalid shape.
   void setObstacles(std::vector<HairObstacle> obstacles);
   /// Draws into the renderer's own framebuffer. Leaves the default framebuffer bound.
   void draw(const GuideFrame& frame, const Camera& camera);

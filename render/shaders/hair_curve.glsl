@@ -1,5 +1,5 @@
 // A hair as render/hair_growth.h and kernels/hair.h define it, evaluated at the nodes of its guides
-// (render/guide_nodes.h). With BODIES it is kept out of bodies (render/hair_bodies.h).
+// (render/guide_nodes.h). With BODIES its penetration into bodies is resolved (render/hair_bodies.h).
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
 #include "kernels/hair.h"
