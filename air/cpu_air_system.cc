@@ -1,12 +1,10 @@
-#include "air/air_maker.h"
+#include "air/air_system.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "air/air_fields.h"
 #include "air/hair_grid.h"
-#include "air/steered_air.h"
 #include "air/wind_grid.h"
 #include "core/error.h"
 #include "kernels/scalar_double.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "air/air_fields.h"
+#include "air/air_system.h"
 #include "core/simulation.h"
 #include "io/image.h"
 

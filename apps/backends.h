@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "air/air_maker.h"
+#include "air/air_system.h"
 #include "core/backend.h"
 
 namespace strandcast {

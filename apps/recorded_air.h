@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "air/air_fields.h"
+#include "air/air_system.h"
 #include "apps/channel.h"
 #include "transport/recording/recording_publisher.h"
 

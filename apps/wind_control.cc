@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "air/steered_air.h"
+#include "air/air_system.h"
 #include "apps/command_limits.h"
 #include "core/error.h"
 #include "core/nearest_name.h"

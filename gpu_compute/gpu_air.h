@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "air/air_maker.h"
+#include "air/air_system.h"
 
 namespace strandcast {
 

@@ -3,8 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "air/air_fields.h"
-#include "air/steered_air.h"
+#include "air/air_system.h"
 #include "air/wind_source.h"
 #include "core/external_forces.h"
 #include "gpu_compute/gpu_air.h"

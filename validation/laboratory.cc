@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "validation/case.h"
+
 namespace strandcast {
 
 Parameters Laboratory::parameters(double rate, float air_drag) const {

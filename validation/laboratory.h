@@ -3,7 +3,7 @@
 #include <memory>
 #include <span>
 
-#include "air/air_maker.h"
+#include "air/air_system.h"
 #include "core/simulation.h"
 
 namespace strandcast {

@@ -1,9 +1,7 @@
-#include "air/air_maker.h"
+#include "air/air_system.h"
 
 #include <gtest/gtest.h>
 
-#include "air/air_fields.h"
-#include "air/steered_air.h"
 #include "air/wind.h"
 #include "core/error.h"
 #include "core/simulation.h"

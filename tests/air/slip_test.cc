@@ -4,8 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "air/air_fields.h"
-#include "air/air_maker.h"
+#include "air/air_system.h"
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
 #include "core/simulation.h"

@@ -1,6 +1,6 @@
 // A daemon's wind sources, over the in-process channel.
 #include "apps/wind_control.h"
-#include "air/air_fields.h"
+#include "air/air_system.h"
 #include "apps/command_limits.h"
 #include "core/error.h"
 #include "tests/air/wide_fan.h"

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "air/air_fields.h"
-#include "air/steered_air.h"
+#include "air/air_system.h"
 #include "core/error.h"
 #include "core/simulation.h"
 #include "gpu_compute/gpu_backend.h"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "air/air_maker.h"
+#include "air/air_system.h"
 #include "bench/counted_memory.h"
 #include "collision/tree_broad_phase.h"
 #include "core/simulation.h"
