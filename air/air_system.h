@@ -36,27 +36,25 @@ class AirFields {
   virtual AirSample at(const Vec3& point) const = 0;
 };
 
-/// The grids of an air system that cpuAir() or gpuAir() made; null for other external forces.
-const AirFields* airFields(const ExternalForces* air_system);
-
-/// External forces whose wind sources can be replaced between steps.
-class SteeredAir {
+/// The air: external forces whose grids can be read and whose wind sources can be replaced between steps.
+class AirSystem : public ExternalForces, public AirFields {
  public:
-  virtual ~SteeredAir() = default;
   /// Replaces all sources, in the world frame, from the next step on. The velocity of the air is kept.
   /// Precondition: each source passes checkWindSource(). May allocate. When the first source is added or the
   /// last one removed, the caller must call Simulation::setParameters(), which queries
   /// ExternalForces::isNeeded() again.
   virtual void setSources(std::vector<WindSource> sources) = 0;
+
+  AirSystem* airSystem() final { return this; }
 };
 
-/// The interface of an air system that cpuAir() or gpuAir() made; null for other external forces.
-SteeredAir* steeredAir(ExternalForces* air_system);
+/// The air system that these forces are; null where they are null or of another kind.
+inline AirSystem* airSystem(ExternalForces* forces) { return forces ? forces->airSystem() : nullptr; }
 
 /// Factory functions of a backend for air and for forces between hairs.
 struct AirMaker {
   /// Makes the air system: wind grid and hair grid (docs/air.md). Throws Error for a source out of range.
-  std::function<std::unique_ptr<ExternalForces>(std::vector<WindSource>)> make;
+  std::function<std::unique_ptr<AirSystem>(std::vector<WindSource>)> make;
   /// Makes a wind grid alone. `cell`: m.
   std::function<std::unique_ptr<Wind>(int cells, float cell, Wind::Border)> wind;
 };

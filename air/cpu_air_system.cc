@@ -19,7 +19,7 @@ constexpr size_t kStrandsAtOnce = 64;
 constexpr uint32_t kSamplesAtOnce = 64;
 
 template <class Scalar>
-class CpuAirSystem final : public ExternalForces, public AirFields, public SteeredAir {
+class CpuAirSystem final : public AirSystem {
  public:
   CpuAirSystem(const GridPasses<Scalar>& passes, int threads, std::vector<WindSource> sources)
       : passes_(passes), workers_(threads), world_sources_(std::move(sources)), sources_(world_sources_) {}
@@ -325,12 +325,6 @@ AirMaker cpuAir(const std::string& backend, int threads) {
           [&passes, used](int cells, float cell, Wind::Border border) {
             return std::make_unique<FreeWind<float>>(passes, used, cells, cell, border);
           }};
-}
-
-SteeredAir* steeredAir(ExternalForces* air_system) { return dynamic_cast<SteeredAir*>(air_system); }
-
-const AirFields* airFields(const ExternalForces* air_system) {
-  return dynamic_cast<const AirFields*>(air_system);
 }
 
 const GridPasses<float>& passesOf(const std::string& backend) {

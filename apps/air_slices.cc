@@ -36,7 +36,7 @@ const char* unitOf(AirQuantity quantity) {
 }
 
 const AirFields& fieldsOf(Simulation& simulation) {
-  if (const AirFields* fields = airFields(simulation.externalForces())) return *fields;
+  if (const AirFields* fields = airSystem(simulation.externalForces())) return *fields;
   throw Error("the grids of this backend cannot be drawn", simulation.backend().name(), "choose simd");
 }
 

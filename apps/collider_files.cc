@@ -11,7 +11,7 @@
 #include "apps/command_limits.h"
 #include "apps/command_values.h"
 #include "core/error.h"
-#include "io/folder_files.h"
+#include "io/file_bytes.h"
 #include "transport/chunks.h"
 #include "transport/parameter_table.h"
 

@@ -19,9 +19,8 @@
 #include "core/error.h"
 #include "core/quantile.h"
 #include "core/smooth_step.h"
-#include "transport/answers.h"
-#include "transport/collider_chunks.h"
-#include "transport/command_queue.h"
+#include "transport/chunks.h"
+#include "transport/commands.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {

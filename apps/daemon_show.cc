@@ -13,8 +13,7 @@
 #include "apps/daemon.h"
 #include "apps/show_fingerprint.h"
 #include "core/error.h"
-#include "transport/answers.h"
-#include "transport/command_queue.h"
+#include "transport/commands.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {

@@ -39,10 +39,9 @@ AirGrids gridsOf(const AirFields& fields) {
 SimulationObserver gridRecorder(RecordingPublisher& to, uint32_t every) {
   return [&to, every, frame = uint64_t{0}](Simulation& simulation) mutable {
     if (frame++ % every != 0) return;
-    const ExternalForces* air_system = simulation.externalForces();
-    if (air_system == nullptr || !air_system->isNeeded(simulation.parameters())) return;
-    const AirFields* fields = airFields(air_system);
-    if (fields != nullptr && (fields->hasDensity() || fields->hasWind())) to.addGrids(gridsOf(*fields));
+    AirSystem* const air = airSystem(simulation.externalForces());
+    if (air == nullptr || !air->isNeeded(simulation.parameters())) return;
+    if (air->hasDensity() || air->hasWind()) to.addGrids(gridsOf(*air));
   };
 }
 

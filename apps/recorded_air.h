@@ -3,7 +3,7 @@
 
 #include "air/air_system.h"
 #include "apps/channel.h"
-#include "transport/recording/recording_publisher.h"
+#include "transport/recording/recorder.h"
 
 namespace strandcast {
 

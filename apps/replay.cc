@@ -9,8 +9,7 @@
 
 #include "apps/command_values.h"
 #include "core/error.h"
-#include "transport/answers.h"
-#include "transport/command_queue.h"
+#include "transport/commands.h"
 #include "transport/frame_queue.h"
 #include "transport/parameter_table.h"
 

@@ -15,7 +15,7 @@
 #include "apps/void_settings.h"
 #include "core/error.h"
 #include "transport/recording/record_file.h"
-#include "transport/recording/recording_publisher.h"
+#include "transport/recording/recorder.h"
 
 using namespace strandcast;
 

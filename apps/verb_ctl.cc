@@ -25,7 +25,7 @@
 #include "apps/wind_control.h"
 #include "core/error.h"
 #include "core/nearest_name.h"
-#include "transport/collider_chunks.h"
+#include "transport/chunks.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {

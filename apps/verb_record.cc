@@ -14,7 +14,7 @@
 #include "apps/verbs.h"
 #include "core/error.h"
 #include "transport/in_process.h"
-#include "transport/recording/recording_publisher.h"
+#include "transport/recording/recorder.h"
 
 namespace strandcast {
 namespace {

@@ -112,7 +112,7 @@ NamedWindSource& WindControl::find(const std::string& name, const std::string& w
 }
 
 void WindControl::replace(std::vector<NamedWindSource> sources, const std::string& where) {
-  SteeredAir* const air = steeredAir(simulation_.externalForces());
+  AirSystem* const air = airSystem(simulation_.externalForces());
   if (air == nullptr)
     throw Error("this backend does not support wind sources", where,
                 "choose --backend simd, gpu or reference");
@@ -196,7 +196,7 @@ void WindControl::goOn(double time) {
       if (moved.name == way.name) take(moved.source, between(way.from, way.to, part), way.parts);
   }
   std::erase_if(ways_, [&](const Ramp& way) { return time - way.start >= way.seconds; });
-  steeredAir(simulation_.externalForces())->setSources(withoutNames(sources_));
+  airSystem(simulation_.externalForces())->setSources(withoutNames(sources_));
 }
 
 }  // namespace strandcast

@@ -3,6 +3,8 @@
 
 namespace strandcast {
 
+class AirSystem;  // air/air_system.h
+
 /// Interface of accelerations besides gravity and contact: moving air, forces between hairs. Once per step,
 /// before the substeps, it gives every vertex an acceleration, which the backend adds to gravity.
 /// Implementations are in air/ and gpu_compute/.
@@ -33,6 +35,9 @@ class ExternalForces {
   /// Accelerations of the newest step(), m/s^2 per vertex, natural order. Call it before the backend's own
   /// step. Waits if they are elsewhere than in input.accelerations.
   virtual std::span<const Vec3> accelerations() = 0;
+
+  /// These forces as an air system; null for forces of another kind.
+  virtual AirSystem* airSystem() { return nullptr; }
 };
 
 /// Whether the parameters alone need external forces.

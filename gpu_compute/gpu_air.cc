@@ -163,7 +163,7 @@ class GpuWind final : public Wind {
 }  // namespace
 
 AirMaker gpuAir() {
-  return {[](std::vector<WindSource> sources) -> std::unique_ptr<ExternalForces> {
+  return {[](std::vector<WindSource> sources) -> std::unique_ptr<AirSystem> {
             for (const WindSource& source : sources) checkWindSource(source, "wind source");
             return std::make_unique<gpu::GpuAirSystem>(std::move(sources));
           },

@@ -15,7 +15,7 @@ namespace strandcast::gpu {
 
 /// Air system (docs/air.md) in the memory of the gpu backend: wind on a grid and forces between hairs.
 /// Neither the state of strands nor accelerations pass through the CPU. Not thread-safe.
-class GpuAirSystem final : public ExternalForces, public AirFields, public SteeredAir, public MeasuredPasses {
+class GpuAirSystem final : public AirSystem, public MeasuredPasses {
  public:
   explicit GpuAirSystem(std::vector<WindSource> sources);
   ~GpuAirSystem() override;

@@ -62,7 +62,7 @@ struct BvhClip {
 };
 
 /// Reads a BVH (Biovision hierarchy) clip. Keywords match in any case; OFFSET, CHANNELS and children may come
-/// in any order. The report lists what is left out or repaired of the frames (bvh_motion.h). Throws Error
+/// in any order. The report lists what is left out or repaired of the frames. Throws Error
 /// with `name`, line and remedy on joints that are truncated, malformed, too many or not finite, and when
 /// there is no whole frame. Memory use is proportional to the input.
 BvhClip readBvh(std::span<const std::byte> bytes, const std::string& name);

@@ -7,9 +7,8 @@
 #include <cstring>
 
 #include "core/content_hash.h"
-#include "io/byte_reader.h"
-#include "io/byte_writer.h"
 #include "io/file_bytes.h"
+#include "io/little_endian.h"
 
 namespace strandcast {
 namespace {

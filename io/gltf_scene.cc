@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "io/gltf_extensions.h"
+#include "io/gltf_document.h"
 
 namespace strandcast {
 namespace {

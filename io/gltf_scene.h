@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "io/file_report.h"
 #include "io/gltf_document.h"
-#include "io/gltf_report.h"
 #include "io/skeleton.h"
 
 namespace strandcast {

@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "io/axes_and_units.h"
 #include "io/file_bytes.h"
-#include "io/groom_encode.h"
 
 namespace strandcast {
 namespace {

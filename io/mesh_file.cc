@@ -5,7 +5,6 @@
 #include "core/error.h"
 #include "io/axes_and_units.h"
 #include "io/file_bytes.h"
-#include "io/folder_files.h"
 #include "io/gltf_mesh.h"
 
 namespace strandcast {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/triangle_mesh.h"
-#include "io/gltf_limits.h"
 #include "io/groom_file.h"
+#include "io/mesh_file.h"
 #include "io/skeleton.h"
 
 namespace strandcast {

@@ -6,10 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "io/byte_reader.h"
-#include "io/byte_writer.h"
-#include "io/groom_encode.h"
 #include "io/groom_file.h"
+#include "io/little_endian.h"
 #include "io/strand_edit.h"
 
 namespace strandcast {

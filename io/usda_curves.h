@@ -1,6 +1,12 @@
+// BasisCurves of a .usda stage: their points, primvars, widths and UVs.
 #pragma once
+#include <Eigen/Core>
+
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "io/usda_stage.h"
@@ -87,5 +93,78 @@ class UsdaCurves {
   Basis basis_ = Basis::kBezier;
   std::vector<size_t> counts_, first_point_ = {0}, first_varying_ = {0};
 };
+
+/// Values of one primvar (or of `widths`, which is read like one) over the curves of a prim.
+class UsdaPrimvar {
+ public:
+  enum class Interpolation { kConstant, kUniform, kVarying, kVertex };
+
+  /// Finds the primvar `name` on the prim or, if constant, on the nearest ancestor that has it. None where
+  /// there is no value. A primvar without interpolation has `otherwise`; where its count of values does not
+  /// match that, it has the first interpolation that the count matches (guessed() is then true). Throws
+  /// UsdaFault when the interpolation does not exist for curves, or the values do not match it.
+  static std::optional<UsdaPrimvar> of(const UsdaStage& stage, size_t prim, const std::string& name,
+                                       const UsdaCurves& curves, Interpolation otherwise);
+
+  Interpolation interpolation() const { return interpolation_; }
+  bool guessed() const { return guessed_; }
+  /// Number of values for the curves of the prim.
+  size_t elements() const { return elements_; }
+  /// Numbers per value: those of its type times `elementSize`.
+  size_t components() const { return components_; }
+  /// Numbers of one value. `element` is 0 for a constant primvar, else the index of the curve, varying value
+  /// or point. Empty where its index is the unauthored one or out of range.
+  std::span<const double> at(size_t element) const;
+
+ private:
+  UsdaPrimvar() = default;
+  void choose(const UsdaProperty& property, const UsdaCurves& curves, Interpolation otherwise);
+
+  Interpolation interpolation_ = Interpolation::kConstant;
+  bool guessed_ = false;
+  size_t components_ = 1, elements_ = 1;
+  std::span<const double> values_, indices_;
+  bool indexed_ = false;
+  double unauthored_ = -1;
+};
+
+/// Values of a primvar over the curves of a prim. Unusable values (not finite, or without a valid index) are
+/// replaced.
+template <class Value>
+struct UsdaValues {
+  std::optional<UsdaPrimvar::Interpolation> how;  ///< none if there are no values
+  std::vector<Value> values;  ///< one in all, or one per curve, varying value or point, by `how`
+  bool guessed = false;       ///< `how` was deduced from the count of values
+  size_t mended = 0;          ///< number of values replaced
+  std::string fault;          ///< why there are no values although the file has some; else empty
+
+  /// Value at a point of a curve (index over all curves); `nothing` for varying values, which points do not
+  /// have.
+  Value ofControl(size_t curve, size_t point, const Value& nothing) const {
+    using Interpolation = UsdaPrimvar::Interpolation;
+    if (!how || how == Interpolation::kVarying) return nothing;
+    return values[how == Interpolation::kConstant ? 0 : how == Interpolation::kUniform ? curve : point];
+  }
+  /// For varying values: the value at a vertex of the curve whose first varying value is `first`.
+  Value varying(size_t first, const UsdaCurves::Vertex& vertex) const {
+    const Value& before = values[first + vertex.segment];
+    if (vertex.fraction == 0) return before;
+    return (1 - vertex.fraction) * before + vertex.fraction * values[first + vertex.segment + 1];
+  }
+};
+
+/// In units of the prim, not negative. Unusable values are replaced by the mean of the others.
+using UsdaWidths = UsdaValues<double>;
+/// Unusable values are replaced by (0, 0).
+using UsdaUvs = UsdaValues<Eigen::Vector2d>;
+
+/// Names of the properties that may hold widths or UVs, in order of preference. The first usable property is
+/// read.
+const std::vector<std::string>& usdaWidthNames();
+const std::vector<std::string>& usdaUvNames();
+
+/// Widths and UVs of a prim of curves. `prim`: index into UsdaStage::prims.
+UsdaWidths usdaWidthsOf(const UsdaStage& stage, size_t prim, const UsdaCurves& curves);
+UsdaUvs usdaUvsOf(const UsdaStage& stage, size_t prim, const UsdaCurves& curves);
 
 }  // namespace strandcast

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
+
 #include <limits>
 #include <map>
 #include <memory>
@@ -88,5 +89,17 @@ UsdaStage readUsdaStage(UsdaText& text, std::string_view wanted, const std::vect
 
 /// Numbers per value of a type: 2 for "texCoord2f", 16 for "matrix4d", 4 for "quatf".
 size_t usdaNumbersOf(std::string_view type);
+
+/// World transform of a prim. An operation without a value, or without its property, is the identity. Source:
+/// UsdGeomXformable and UsdGeomXformOp of OpenUSD.
+struct UsdaPlacement {
+  Eigen::Affine3d to_world = Eigen::Affine3d::Identity();
+  std::vector<std::string> missing;  ///< operations that are named but have no value
+};
+
+/// Composes `above`, the transform of the parent, with the operations of `xformOpOrder`. `!resetXformStack!`
+/// discards `above`. Throws UsdaFault for an operation that is unknown, has a wrong count of numbers or one
+/// that is not finite, or is to be inverted and cannot be.
+UsdaPlacement usdaPlacementOf(const UsdaPrim& prim, const Eigen::Affine3d& above);
 
 }  // namespace strandcast

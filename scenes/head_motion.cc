@@ -11,9 +11,9 @@
 
 #include "core/error.h"
 #include "io/bvh.h"
-#include "io/bvh_unit.h"
+#include "io/bvh_skeleton.h"
 #include "io/file_bytes.h"
-#include "io/gltf_report.h"
+#include "io/file_report.h"
 #include "scenes/ease.h"
 
 namespace strandcast {

@@ -9,7 +9,7 @@
 #include "core/nearest_name.h"
 #include "io/bvh_skeleton.h"
 #include "io/file_bytes.h"
-#include "io/gltf_report.h"
+#include "io/file_report.h"
 #include "scenes/ease.h"
 #include "scenes/head_motion.h"
 

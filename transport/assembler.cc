@@ -5,8 +5,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "transport/all_finite.h"
-#include "transport/collider_chunks.h"
+#include "transport/chunks.h"
 
 namespace strandcast {
 namespace {

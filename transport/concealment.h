@@ -1,13 +1,41 @@
+// Concealment of lost chunks: positions of strands and poses of colliders are extrapolated along their last
+// motion.
 #pragma once
+#include <algorithm>
 #include <span>
 #include <vector>
 
 #include "transport/chunks.h"
 #include "transport/codec/guide_payload.h"
-#include "transport/collider_motion.h"
 #include "transport/messages.h"
 
 namespace strandcast {
+
+/// Longest time over which the motion of a lost object is extrapolated; then it stays at rest.
+inline constexpr double kMaxExtrapolation = 0.1;  // s
+
+/// Factor of the motion from time `before` to time `last` (s) that is added to the last position to estimate
+/// the position at `now`. 0 where the motion spans more than kMaxExtrapolation.
+inline double extrapolation(double before, double last, double now) {
+  const double between = last - before;
+  const bool tells = between > 0 && between <= kMaxExtrapolation;
+  return tells ? std::clamp(now - last, 0.0, kMaxExtrapolation) / between : 0.0;
+}
+
+/// Extrapolates poses of colliders for a frame that lacks them: along their last motion in the world, with
+/// their last bends.
+class ColliderMotion {
+ public:
+  void clear();
+  /// Records the colliders of a frame; time: simulation time, s.
+  void learn(std::span<const PlacedCollider> placed, double time);
+  /// `out`: all colliders of the last frame that had poses.
+  void extrapolate(double time, std::vector<PlacedCollider>& out) const;
+
+ private:
+  std::vector<PlacedCollider> last_, before_;
+  double last_time_ = 0, before_time_ = 0;  // s
+};
 
 /// Estimates positions of lost strands. A strand is extrapolated along its last motion in the frame of its
 /// carrier, with its last edge lengths, for as long as extrapolation() says; then it stays at rest in that

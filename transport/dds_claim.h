@@ -8,7 +8,7 @@
 
 #include "transport/dds_neighbours.h"
 #include "transport/dds_participant.h"
-#include "transport/wire_type_support.h"
+#include "transport/wire_types.h"
 
 namespace strandcast {
 

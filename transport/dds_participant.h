@@ -1,5 +1,5 @@
 #pragma once
-#include <atomic>
+#include <sys/types.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -9,6 +9,8 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
+
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -19,6 +21,12 @@
 #include "transport/status_board.h"
 
 namespace strandcast {
+
+/// Whether a program of another user than `own` takes part in this DDS domain through shared memory. Segments
+/// are accessible to their owner only: Fast DDS 2.9.1 receives nothing of the others' there, and a
+/// participant that such a program sends to receives nothing more from any participant. `folder`: location of
+/// the segments.
+bool anotherUserSharesMemory(int domain, uid_t own, const std::filesystem::path& folder = "/dev/shm");
 
 /// QoS of one topic of idl/strandcast.idl.
 struct TopicProfile {

@@ -4,14 +4,12 @@
 #include <mutex>
 
 #include "core/error.h"
-#include "transport/announced_groom.h"
 #include "transport/chunks.h"
-#include "transport/collider_chunks.h"
-#include "transport/command_queue.h"
+#include "transport/codec/guide_encoder.h"
+#include "transport/commands.h"
 #include "transport/dds.h"
 #include "transport/dds_claim.h"
 #include "transport/dds_participant.h"
-#include "transport/wire_type_support.h"
 #include "transport/wire_types.h"
 
 namespace strandcast {

@@ -14,7 +14,6 @@
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
 #include "transport/receiving_subscriber.h"
-#include "transport/wire_type_support.h"
 #include "transport/wire_types.h"
 
 namespace strandcast {

@@ -5,10 +5,8 @@
 #include <mutex>
 
 #include "core/error.h"
-#include "transport/answers.h"
 #include "transport/chunks.h"
-#include "transport/collider_chunks.h"
-#include "transport/command_queue.h"
+#include "transport/commands.h"
 #include "transport/frame_queue.h"
 
 namespace strandcast {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "transport/answers.h"
 #include "transport/assembler.h"
+#include "transport/commands.h"
 #include "transport/frame_queue.h"
 #include "transport/status_board.h"
 #include "transport/subscriber.h"

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "transport/all_finite.h"
+#include "transport/chunks.h"
 #include "transport/message_bytes.h"
 
 namespace strandcast {

@@ -93,7 +93,7 @@ TEST(AirSystem, GridsCanBeLookedAt) {
   Simulation simulation(squareTuft(), {ball}, parameters, makeReferenceBackend(),
                         cpuAir("reference").make({}));
   simulation.step();
-  const AirFields* fields = airFields(simulation.externalForces());
+  const AirFields* fields = airSystem(simulation.externalForces());
   ASSERT_NE(fields, nullptr);
   EXPECT_TRUE(fields->hasDensity() && fields->hasWind());
   const AirSample in_hair = fields->at(Vec3(0.02f, -0.1f, 0.02f)),
@@ -145,7 +145,7 @@ Vec3 windBehindTuft(float hairs, const std::vector<float>& drag_scale) {
   }
   Simulation simulation(model, {}, parameters, makeReferenceBackend(), cpuAir("reference").make({}));
   for (int i = 0; i < 10; ++i) simulation.step();
-  return airFields(simulation.externalForces())->at(Vec3(0.06f, -0.1f, 0.02f)).wind;
+  return airSystem(simulation.externalForces())->at(Vec3(0.06f, -0.1f, 0.02f)).wind;
 }
 
 TEST(AirSystem, HairHoldsAirBackByTheDragThatItFeels) {
@@ -227,7 +227,7 @@ TEST(AirSystem, WindThatWasSwitchedOffLeavesNoTrace) {
     parameters.wind_grid = 1;
     simulation.setParameters(parameters);
     simulation.step();
-    EXPECT_LT(airFields(simulation.externalForces())->at(Vec3(0.1f, 0, 0)).wind.norm(), 0.1f)
+    EXPECT_LT(airSystem(simulation.externalForces())->at(Vec3(0.1f, 0, 0)).wind.norm(), 0.1f)
         << "gust " << gust;
   }
 }
@@ -275,7 +275,7 @@ TEST(AirSystem, BlowFarFromTheOriginAsTheyDoAtIt) {
       simulation.teleport({at, Quat::Identity()});
       for (int i = 0; i < 20; ++i) simulation.step();
       for (const Vec3& p : simulation.guides()) ways[winds.size()].push_back(p - at);
-      const AirFields* const fields = airFields(simulation.externalForces());
+      const AirFields* const fields = airSystem(simulation.externalForces());
       EXPECT_TRUE(fields->box().contains(Eigen::Vector3f(at + Vec3(0, -0.1f, 0))));
       winds.push_back(fields->at(at + Vec3(0, -0.125f, 0)).wind);
     }
@@ -301,7 +301,7 @@ TEST(AirSystem, TakeOtherSourcesBetweenSteps) {
       };
       Simulation from_start = simulation({fan}), told = simulation({}), still = simulation({});
       const auto tell = [&](std::vector<WindSource> sources) {
-        steeredAir(told.externalForces())->setSources(std::move(sources));
+        airSystem(told.externalForces())->setSources(std::move(sources));
         told.setParameters(parameters);
       };
       const auto run = [](Simulation& of) {
@@ -378,8 +378,8 @@ TEST(AirSystem, StayInTheirPlaceWhenTheOriginFollowsTheHead) {
       for (size_t v = 0; v < at.size(); ++v) off = std::max<double>(off, (at[v] - truth[v]).norm());
       const Vec3 in_hair =
           truth[27 * 17 + 3] - 0.5f * pace;  // the grid of the newest step has it half a step back
-      const AirSample seen = airFields(follows.externalForces())->at(in_hair),
-                      known = airFields(stays.externalForces())->at(in_hair);
+      const AirSample seen = airSystem(follows.externalForces())->at(in_hair),
+                      known = airSystem(stays.externalForces())->at(in_hair);
       wind_off = std::max<double>(wind_off, (seen.wind - known.wind).norm());
       // Compared in the mean: rounding sometimes changes which node is nearest to the point.
       density_off += std::fabs(double{seen.density} - double{known.density}) / 139;

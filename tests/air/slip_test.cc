@@ -219,7 +219,7 @@ double heldBack(const Vec3& wind, float along) {
     Simulation simulation(modelOf(strands), {}, parameters, makeReferenceBackend(),
                           cpuAir("reference").make({}));
     simulation.step();
-    return airFields(simulation.externalForces())->at(Vec3(0.1f, 0.1f, 0.1f)).wind;
+    return airSystem(simulation.externalForces())->at(Vec3(0.1f, 0.1f, 0.1f)).wind;
   };
   return static_cast<double>((after(0) - after(20)).dot(wind.normalized()));
 }

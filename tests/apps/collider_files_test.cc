@@ -13,9 +13,8 @@
 #include "tests/io/sample_files.h"
 #include "tests/io/scratch_folder.h"
 #include "transport/chunks.h"
-#include "transport/collider_chunks.h"
 #include "transport/parameter_table.h"
-#include "transport/recording/recording_publisher.h"
+#include "transport/recording/recorder.h"
 
 namespace strandcast {
 namespace {

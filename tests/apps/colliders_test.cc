@@ -6,7 +6,7 @@
 #include "tests/error_of.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/io/skinned_arm.h"
-#include "transport/collider_chunks.h"
+#include "transport/chunks.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {

@@ -13,7 +13,7 @@
 
 #include "apps/backends.h"
 #include "tests/error_of.h"
-#include "transport/command_queue.h"
+#include "transport/commands.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {

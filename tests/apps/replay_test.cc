@@ -20,11 +20,10 @@
 #include "tests/io/scratch_folder.h"
 #include "tests/io/skinned_arm.h"
 #include "tests/transport/moving_hair.h"
-#include "transport/command_queue.h"
+#include "transport/commands.h"
 #include "transport/in_process.h"
 #include "transport/parameter_table.h"
 #include "transport/recording/recorder.h"
-#include "transport/recording/recording_publisher.h"
 
 namespace strandcast {
 namespace {

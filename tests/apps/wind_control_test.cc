@@ -61,7 +61,7 @@ TEST_F(DaemonWind, OnAGridMovesTheAir) {
   begin(settings);
   cast(1);
   const auto windX = [&] {
-    const AirFields* const air = airFields(simulation_->externalForces());
+    const AirFields* const air = airSystem(simulation_->externalForces());
     return air->at(Vec3(air->box().center()) + Vec3(0, 0, 0.2f)).wind.x();
   };
   EXPECT_LT(std::fabs(windX()), 1e-3f);

@@ -199,7 +199,7 @@ Felt felt(const AirMaker& maker, Backend& backend, const Tuft& tuft, const Param
   }
   const std::span<const Vec3> out = air_system->accelerations();
   Felt felt{{out.begin(), out.end()}, {}};
-  const AirFields* fields = airFields(air_system.get());
+  const AirFields* fields = airSystem(air_system.get());
   if (fields->hasWind()) felt.beside = fields->at(Vec3(0.08f, -0.1f, 0.06f));
   return felt;
 }
@@ -316,8 +316,8 @@ TEST_F(GpuAir, TakesOtherSourcesBetweenSteps) {
       StepInput input;
       input.parameters = &parameters;
       for (int step = 0; step < 2; ++step) {
-        steeredAir(air_system.get())->setSources(made);
-        steeredAir(air_system.get())->setSources(told);
+        airSystem(air_system.get())->setSources(made);
+        airSystem(air_system.get())->setSources(told);
         air_system->step(input, *gpu_);
       }
       const std::span<const Vec3> out = air_system->accelerations();
@@ -350,10 +350,10 @@ TEST_F(GpuAir, ASphereThatIsSwitchedOnWhileOthersRunSoonBlows) {
     StepInput input;
     input.parameters = &parameters;
     for (int step = 0; step < 14; ++step) {
-      if (step == 8) steeredAir(air_system.get())->setSources({ball});
+      if (step == 8) airSystem(air_system.get())->setSources({ball});
       air_system->step(input, backend);
     }
-    return airFields(air_system.get())->at(ball.position + Vec3(0.07f, 0, 0)).wind;
+    return airSystem(air_system.get())->at(ball.position + Vec3(0.07f, 0, 0)).wind;
   };
   const std::unique_ptr<Backend> reference = makeReferenceBackend();
   const Vec3 truth = blown(cpuAir("reference"), *reference);
@@ -399,7 +399,7 @@ TEST_F(GpuAir, AStepHeedsWhatSurroundingsLeaveOnTheGpuAlsoFarFromTheOrigin) {
     for (int step = 0; step < 5; ++step) simulation.step();
     Run out;
     for (const Vec3& position : simulation.guides()) out.positions.push_back(position - at);
-    const AirFields* const fields = airFields(simulation.externalForces());
+    const AirFields* const fields = airSystem(simulation.externalForces());
     EXPECT_TRUE(fields->box().contains(Eigen::Vector3f(at)));
     out.wind = fields->at(at + Vec3(0, -0.1f, 0)).wind;
     return out;
@@ -448,8 +448,8 @@ TEST_F(GpuAir, AirStaysInItsPlaceWhenTheOriginFollowsTheHead) {
       if (follows.origin().isZero()) continue;
       const Vec3 in_hair =
           truth[tuft.model.offsets[61] + 3] - 0.5f * pace;  // where the grids have it: half a step ago
-      const AirSample seen = airFields(follows.externalForces())->at(in_hair),
-                      known = airFields(stays.externalForces())->at(in_hair);
+      const AirSample seen = airSystem(follows.externalForces())->at(in_hair),
+                      known = airSystem(stays.externalForces())->at(in_hair);
       wind_off = std::max<double>(wind_off, (seen.wind - known.wind).norm());
       density_off = std::max<double>(density_off, std::fabs(seen.density - known.density));
       most_density = std::max<double>(most_density, known.density);
@@ -467,7 +467,7 @@ TEST_F(GpuAir, AfterAResetAndWhereItWasSwitchedOffItIsAsAtTheStart) {
   windy.solver = SolverKind::kGaussSeidel;
   windy.gust = 0.5f;
   Simulation simulation(tuft.model, {}, windy, std::move(gpu_), gpuAir().make({}));
-  const auto wind = [&] { return airFields(simulation.externalForces())->at(Vec3(0, -0.1f, 0.1f)).wind; };
+  const auto wind = [&] { return airSystem(simulation.externalForces())->at(Vec3(0, -0.1f, 0.1f)).wind; };
   Vec3 winds[2];
   for (Vec3& seen : winds) {
     simulation.reset();
@@ -493,7 +493,7 @@ TEST_F(GpuAir, WhatIsSeenIsOfTheGridsThatThereAre) {
   if (!gpu_) gpu_ = makeGpuBackend();
   gpu_->load(tuft.model, tuft.state);
   const std::unique_ptr<ExternalForces> air_system = gpuAir().make({});
-  const AirFields& fields = *airFields(air_system.get());
+  const AirFields& fields = *airSystem(air_system.get());
   Parameters parameters = everything();
   parameters.turbulence = 0;
   air_system->configure(tuft.model, parameters, *gpu_);

@@ -13,7 +13,7 @@
 
 #include "tests/transport/dds_domain.h"
 #include "tests/transport/sample_messages.h"
-#include "transport/collider_chunks.h"
+#include "transport/chunks.h"
 #include "transport/dds.h"
 #include "transport/parameter_table.h"
 

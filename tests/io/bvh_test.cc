@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/error.h"
-#include "io/bvh_unit.h"
+#include "io/bvh_skeleton.h"
 #include "tests/error_of.h"
 #include "tests/io/sample_clip.h"
 #include "tests/real_data.h"

@@ -1,5 +1,5 @@
 // Reads confined to a folder, through links of every kind.
-#include "io/folder_files.h"
+#include "io/file_bytes.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "io/file_bytes.h"
 #include "io/mesh_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/sample_files.h"

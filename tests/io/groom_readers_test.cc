@@ -9,7 +9,7 @@
 
 #include "groom/load_groom.h"
 #include "io/file_bytes.h"
-#include "io/groom_encode.h"
+#include "io/groom_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/sample_files.h"
 #include "tests/io/scratch_folder.h"

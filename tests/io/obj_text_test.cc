@@ -9,7 +9,7 @@
 
 #include "io/groom_file.h"
 #include "io/mesh_file.h"
-#include "io/polyline_join.h"
+#include "io/obj_strands.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/sample_files.h"
 

@@ -13,7 +13,7 @@
 #include "io/axes_and_units.h"
 #include "io/distance_field_file.h"
 #include "io/file_bytes.h"
-#include "io/groom_encode.h"
+#include "io/groom_file.h"
 #include "io/mesh_file.h"
 #include "io/skinned_mesh.h"
 

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "io/byte_writer.h"
 #include "io/distance_field_file.h"
+#include "io/little_endian.h"
 
 namespace strandcast::samples {
 namespace {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "core/smooth_step.h"
-#include "io/byte_writer.h"
+#include "io/little_endian.h"
 #include "tests/io/sample_files.h"
 
 namespace strandcast::samples {

@@ -24,8 +24,7 @@ namespace octahedral_scalar {
 #define STRANDCAST_SCALAR float
 // clang-format off
 #include "kernels/lanes_scalar.inl"
-#include "transport/codec/grid.inl"
-#include "transport/codec/octahedral.inl"
+#include "transport/codec/quantization.inl"
 #include "kernels/end_lanes.inl"
 // clang-format on
 }  // namespace octahedral_scalar

@@ -7,7 +7,7 @@
 #include "sample_messages.h"
 #include "tests/error_of.h"
 #include "transport/assembler.h"
-#include "transport/collider_chunks.h"
+#include "transport/chunks.h"
 #include "transport/in_process.h"
 #include "transport/subscriber.h"
 

@@ -13,8 +13,8 @@
 #include "strandcast_v6/guide_chunk_t.hpp"
 #include "strandcast_v6/reader_t.hpp"
 #include "strandcast_v6/status_t.hpp"
-#include "transport/collider_chunks.h"
-#include "transport/lcm/lcm_channels.h"
+#include "transport/chunks.h"
+#include "transport/lcm/lcm_ends.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {

@@ -20,7 +20,6 @@
 #include "tests/error_of.h"
 #include "tests/full_disk.h"
 #include "tests/sanitized.h"
-#include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/parameter_table.h"

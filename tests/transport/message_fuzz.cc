@@ -4,7 +4,7 @@
 
 #include "moving_hair.h"
 #include "transport/assembler.h"
-#include "transport/collider_chunks.h"
+#include "transport/chunks.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/parameter_table.h"
 #include "transport/show.h"

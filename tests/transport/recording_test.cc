@@ -18,9 +18,7 @@
 #include "tests/io/scratch_folder.h"
 #include "transport/in_process.h"
 #include "transport/message_bytes.h"
-#include "transport/message_fields.h"
 #include "transport/recording/recorder.h"
-#include "transport/recording/recording_publisher.h"
 
 namespace strandcast {
 namespace {

@@ -15,8 +15,7 @@
 #include "sample_messages.h"
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
-#include "transport/shared_memory_users.h"
-#include "transport/wire_type_support.h"
+#include "transport/wire_types.h"
 #include "true_within.h"
 
 namespace strandcast {

@@ -8,7 +8,6 @@
 #include "transport/assembler.h"
 #include "transport/chunks.h"
 #include "transport/parameter_table.h"
-#include "transport/wire_type_support.h"
 #include "transport/wire_types.h"
 
 namespace strandcast {

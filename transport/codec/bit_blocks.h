@@ -4,6 +4,16 @@
 
 namespace strandcast {
 
+/// Maps signed numbers to unsigned ones of small magnitude: 0, -1, 1, -2 ... become 0, 1, 2, 3 ...
+inline uint16_t zigzag(uint16_t number) { return static_cast<uint16_t>(number << 1 ^ -(number >> 15)); }
+inline uint16_t unzigzag(uint16_t z) { return static_cast<uint16_t>(z >> 1 ^ -(z & 1)); }
+
+/// Sign-extends the low `bits` bits; bits: 1 to 16.
+inline uint16_t signExtended(uint16_t number, int bits) {
+  const int spare = 16 - bits;
+  return static_cast<uint16_t>(static_cast<int16_t>(number << spare) >> spare);
+}
+
 /// Packs 16-bit numbers in blocks of eight, each with as many bits per number as the largest of the block
 /// needs (frame of reference: Zukowski et al., Super-Scalar RAM-CPU Cache Compression, ICDE 2006).
 /// StrandCoder packs and unpacks whole blocks in a few operations. Format: docs/wire.md, "Blocks of bits".

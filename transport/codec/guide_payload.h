@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -7,10 +8,31 @@
 
 #include "core/strand_set.h"
 #include "transport/chunks.h"
-#include "transport/codec/guide_symbols.h"
-#include "transport/codec/nearest.h"
 
 namespace strandcast {
+
+/// Nearest integer of x, ties to even; |x| <= 2^22. At 1.5 * 2^23 the spacing of floats is 1, so that the sum
+/// rounds. (lrintf may set errno, and is therefore a library call in every build.)
+inline int32_t nearest(float x) {
+  constexpr float kShift = 12582912.0f;
+  return std::bit_cast<int32_t>(x + kShift) - std::bit_cast<int32_t>(kShift);
+}
+
+/// The 16-bit symbols of one chunk's guides, plane after plane.
+struct GuideSymbols {
+  int edge_planes = 3;          ///< 3: differences of positions; 2: octahedral coordinates or tangent steps
+  std::vector<uint16_t> roots;  ///< 3 planes (x, y, z) with one symbol per strand
+  /// edge_planes planes with one symbol per vertex that is not a root, strand by strand. Tangent steps are
+  /// not planes but pairs (u, v) per vertex.
+  std::vector<uint16_t> edges;
+};
+
+/// How symbols become residuals: differences to a prediction, modulo 2^bits.
+struct SymbolPrediction {
+  bool along_strand = false;              ///< edges: predicted from the edge before
+  int edge_bits = 16;                     ///< 12 or 16; roots always have 16
+  std::span<const uint32_t> strand_ends;  ///< per strand, the end of its edges within a plane; ascending
+};
 
 /// What encoder and decoder share; docs/wire.md, "Payloads", describes the payload.
 

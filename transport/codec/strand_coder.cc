@@ -10,7 +10,6 @@
 
 #include "kernels/highway_targets.h"
 #include "transport/codec/bit_blocks.h"
-#include "transport/codec/zigzag.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "transport/codec/strand_coder.cc"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -22,10 +21,7 @@ namespace strandcast::codec::HWY_NAMESPACE {
 // The order matters.
 // clang-format off
 #include "kernels/lanes_highway.inl"
-#include "transport/codec/grid.inl"
-#include "transport/codec/octahedral.inl"
-#include "transport/codec/tangent_plane.inl"
-#include "transport/codec/strand_tile.inl"
+#include "transport/codec/quantization.inl"
 #include "transport/codec/strand_walks.inl"
 #include "transport/codec/bit_blocks.inl"
 #include "kernels/end_lanes.inl"

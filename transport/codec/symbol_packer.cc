@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "transport/codec/bit_blocks.h"
-#include "transport/codec/zigzag.h"
 
 namespace strandcast {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "transport/codec/guide_symbols.h"
+#include "transport/codec/guide_payload.h"
 #include "transport/codec/strand_coder.h"
 
 namespace strandcast {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "transport/lcm/message_link.h"
+#include "transport/lcm/lcm_ends.h"
 
 namespace strandcast {
 

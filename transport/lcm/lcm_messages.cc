@@ -8,7 +8,6 @@
 #include "strandcast_v6/reader_t.hpp"
 #include "strandcast_v6/status_t.hpp"
 #include "transport/message_bytes.h"
-#include "transport/message_fields.h"
 
 namespace strandcast {
 namespace {

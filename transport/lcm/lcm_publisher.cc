@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "core/error.h"
-#include "transport/announced_groom.h"
-#include "transport/collider_chunks.h"
-#include "transport/command_queue.h"
-#include "transport/lcm/lcm_channels.h"
+#include "transport/chunks.h"
+#include "transport/codec/guide_encoder.h"
+#include "transport/commands.h"
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/error.h"
-#include "transport/lcm/lcm_channels.h"
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"

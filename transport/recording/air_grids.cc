@@ -6,7 +6,7 @@
 #include <bit>
 #include <cmath>
 
-#include "transport/codec/zigzag.h"
+#include "transport/codec/bit_blocks.h"
 
 namespace strandcast {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/geometry.h"
-#include "transport/recording/recording_fields.h"
+#include "transport/recording/record_file.h"
 
 namespace strandcast {
 

@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "transport/command_queue.h"
+#include "transport/commands.h"
 #include "transport/message_bytes.h"
-#include "transport/message_fields.h"
 
 namespace strandcast {
 namespace {

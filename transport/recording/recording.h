@@ -9,7 +9,6 @@
 #include "transport/messages.h"
 #include "transport/recording/air_grids.h"
 #include "transport/recording/record_file.h"
-#include "transport/recording/recording_fields.h"
 
 namespace strandcast {
 

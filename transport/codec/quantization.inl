@@ -1,7 +1,20 @@
-// Directions as points of the octahedron |x| + |y| + |z| = 1, whose lower half is folded outwards onto the unit
-// square (Meyer et al., On Floating-Point Normal Vectors, EGSR 2010; Cigolle et al., A Survey of Efficient
-// Representations for Independent Unit Vectors, JCGT 2014). Coordinates are whole numbers from 0 to `steps`,
-// which is 2^bits - 1. In the lane vocabulary of kernels/README.md, without fused operations.
+// Quantisation in the lane vocabulary of kernels/README.md: grid positions, and directions as points of the octahedron or of
+// a tangent plane. Operations are not fused and sums go from left to right, so that both ends compute the same bits.
+// Octahedron |x| + |y| + |z| = 1, its lower half folded outwards onto the unit square: Meyer et al., On Floating-Point Normal
+// Vectors, EGSR 2010; Cigolle et al., A Survey of Efficient Representations for Independent Unit Vectors, JCGT 2014. Its
+// coordinates are whole numbers from 0 to `steps`, which is 2^bits - 1.
+// Tangent plane of the unit sphere at the predicted direction: encoding 5 of docs/wire.md. The quantisation error is then
+// isotropic, and the symbols are the prediction's error.
+
+/// Nearest whole number, ties to even; |x| <= 2^22.
+FN real nearestWhole(real x) { return (x + lit(12582912)) - lit(12582912); }
+
+/// Nearest grid point, in steps, clamped to +-most; -most for NaN.
+FN real gridNumber(real position, real step, real most) {
+  const real low = lit(0) - most, steps = position / step;
+  const real above = select(low < steps, steps, low);
+  return nearestWhole(select(above < most, above, most));
+}
 
 struct OctahedralPoint {
   real u, v;
@@ -59,4 +72,25 @@ FN real3 fromOctahedral(const OctahedralPoint& point, real steps) {
   const mask below = z < lit(0);
   const real3 p = makeReal3(select(below, octahedralFold(y, x), x), select(below, octahedralFold(x, y), y), z);
   return p * (lit(1) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z));
+}
+
+FN real plainDot(const real3& a, const real3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+FN real3 unit(const real3& a) { return a * (lit(1) / sqrt(plainDot(a, a))); }
+
+/// Rotates `a` by the smallest rotation from `from` to `to`, all unit (parallel transport; Bergou et al., Discrete
+/// Elastic Rods, 2008). Returns `a` where these are almost opposite.
+FN real3 turned(const real3& a, const real3& from, const real3& to) {
+  const real cosine = plainDot(from, to);
+  const real3 both = from + to;
+  const real3 less = a - both * (plainDot(both, a) / (lit(1) + cosine));
+  return select(cosine > lit(-0.9), less + to * (lit(2) * plainDot(from, a)), a);
+}
+
+/// Axes u and v of the plane normal to a unit vector (Duff et al., Building an Orthonormal Basis, Revisited, JCGT
+/// 2017).
+FN void axesAcross(const real3& n, OUT(real3) u, OUT(real3) v) {
+  const real sign = select(n.z < lit(0), lit(-1), lit(1));
+  const real a = lit(-1) / (sign + n.z), b = n.x * n.y * a;
+  u = makeReal3(lit(1) + sign * n.x * n.x * a, sign * b, lit(-1) * sign * n.x);
+  v = makeReal3(b, sign + n.y * n.y * a, lit(-1) * n.y);
 }

@@ -1,3 +1,4 @@
+// Little-endian values in the bytes of a file: ByteReader and ByteWriter.
 #pragma once
 #include <bit>
 #include <cstddef>
@@ -5,8 +6,10 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
+#include "core/geometry.h"
 
 namespace strandcast {
 
@@ -60,5 +63,34 @@ class ByteReader {
   std::span<const std::byte> bytes_;
   std::string name_;
 };
+
+/// Appends little-endian values; the counterpart of ByteReader.
+class ByteWriter {
+ public:
+  void reserve(size_t bytes) { bytes_.reserve(bytes); }
+  size_t size() const { return bytes_.size(); }
+  template <class T>
+  void put(T value) {
+    raw(&value, sizeof(T));
+  }
+  void put(const Vec3& point) { raw(point.data(), 3 * sizeof(float)); }
+  /// Appends `bytes` zero bytes.
+  void zeros(size_t bytes);
+  /// Appends `bytes` bytes from `data` unchanged.
+  void raw(const void* data, size_t bytes);
+  /// Moves the bytes out.
+  /// Moves the bytes out; the writer must not be used afterwards.
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+inline void ByteWriter::zeros(size_t bytes) { bytes_.resize(bytes_.size() + bytes); }
+
+inline void ByteWriter::raw(const void* data, size_t bytes) {
+  const auto* first = static_cast<const std::byte*>(data);
+  bytes_.insert(bytes_.end(), first, first + bytes);
+}
 
 }  // namespace strandcast

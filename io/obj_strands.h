@@ -1,3 +1,4 @@
+// How the polylines of an OBJ text become strands. groom_file.h declares the reader.
 #pragma once
 #include <cstddef>
 #include <cstdint>
