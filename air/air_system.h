@@ -6,7 +6,7 @@
 
 #include "air/wind.h"
 #include "air/wind_source.h"
-#include "core/external_forces.h"
+#include "core/backend.h"
 #include "core/geometry.h"
 
 namespace strandcast {

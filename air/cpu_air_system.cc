@@ -327,10 +327,4 @@ AirMaker cpuAir(const std::string& backend, int threads) {
           }};
 }
 
-const GridPasses<float>& passesOf(const std::string& backend) {
-  if (backend == "reference") return scalarPasses<float>();
-  if (backend == "simd") return simdPasses();
-  throw Error("there is no air for this backend on the CPU", backend, "choose simd or reference");
-}
-
 }  // namespace strandcast

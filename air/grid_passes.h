@@ -1,12 +1,40 @@
+// Passes over the grids of air and hair, memory layout of these grids, and threads for the passes.
 #pragma once
-#include <cstdint>
-#include <string>
+#include <Eigen/Geometry>
 
-#include "air/grid_shape.h"
-#include "air/hair_layout.h"
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "core/contact_primitive.h"
+#include "core/strand_block.h"
 
 namespace strandcast {
+
+/// Memory layout of a cubic grid: x fastest. Rows and layers are padded, so every row, layer and grid has an
+/// element before its first and behind its last one, and vectors of 16 may read and write past the end of a
+/// row. An index may be -1 or `cells` on one axis at a time.
+struct GridShape {
+  int cells = 0;  ///< per axis
+
+  size_t row() const { return static_cast<size_t>(cells) + 16; }
+  size_t layer() const { return row() * (static_cast<size_t>(cells) + 1); }
+  size_t size() const { return layer() * (static_cast<size_t>(cells) + 2) + 16; }
+  size_t at(int i, int j, int k) const {
+    return layer() * static_cast<size_t>(k + 1) + row() * static_cast<size_t>(j) + static_cast<size_t>(i);
+  }
+  /// Stride between neighbours along `axis`.
+  size_t next(int axis) const { return axis == 0 ? 1 : axis == 1 ? row() : layer(); }
+};
+
+/// Nodes or cells from min() to max(), both inclusive.
+using NodeBox = Eigen::AlignedBox3i;
+
+/// Values of a grid; GridShape::size() elements (times the components of a node).
+template <class Scalar>
+using GridArray = std::vector<Scalar, CacheLineAllocator<Scalar>>;
 
 /// The wind grid as its passes see it. Arrays of `shape`, from index (0, 0, 0); velocities in m/s.
 template <class Scalar>
@@ -181,5 +209,28 @@ const GridPasses<double>& scalarPasses<double>();
 const GridPasses<float>& simdPasses();
 /// Passes of the backend "reference" or "simd". Throws Error on another name.
 const GridPasses<float>& passesOf(const std::string& backend);
+
+/// A pool of threads for layers of a grid or chunks of strands. Results must not depend on which thread runs
+/// which item.
+class Workers {
+ public:
+  explicit Workers(int threads);  ///< 0 = all hardware threads
+  ~Workers();
+  int threads() const { return threads_; }
+  /// Calls work(i) for i in 0 .. count - 1, concurrently and in any order; returns when all are done. Does
+  /// not allocate.
+  template <class Work>
+  void forEach(int count, const Work& work) const {
+    run(
+        count, [](const void* what, int i) { (*static_cast<const Work*>(what))(i); }, &work);
+  }
+
+ private:
+  struct Arena;
+  void run(int count, void (*call)(const void*, int), const void* work) const;
+
+  int threads_;
+  std::unique_ptr<Arena> arena_;
+};
 
 }  // namespace strandcast

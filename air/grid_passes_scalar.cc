@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "air/grid_passes.h"
+#include "air/hair_layout.h"
 #include "kernels/scalar_double.h"
 #include "kernels/scalar_float.h"
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "air/grid_passes.h"
+#include "air/hair_layout.h"
 #include "kernels/highway_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "air/grid_passes_simd.cc"

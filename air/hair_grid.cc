@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/content_hash.h"
+#include "core/hash.h"
 #include "kernels/scalar_double.h"
 #include "kernels/scalar_float.h"
 

@@ -1,11 +1,8 @@
 #pragma once
 #include <span>
 
-#include "air/drag_shares.h"
 #include "air/grid_passes.h"
 #include "air/hair_layout.h"
-#include "air/strand_samples.h"
-#include "air/workers.h"
 #include "core/backend.h"
 
 namespace strandcast {

@@ -4,7 +4,6 @@
 
 #include "air/grid_passes.h"
 #include "air/wind.h"
-#include "air/workers.h"
 
 namespace strandcast {
 

@@ -1,13 +1,10 @@
 #pragma once
 #include <span>
 
-#include "air/ambient.h"
 #include "air/grid_passes.h"
 #include "air/pressure.h"
 #include "air/wind.h"
-#include "air/wind_box.h"
 #include "air/wind_source.h"
-#include "air/workers.h"
 
 namespace strandcast {
 

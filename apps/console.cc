@@ -16,7 +16,7 @@
 
 #include "collision/field_bake.h"
 #include "core/error.h"
-#include "core/nearest_name.h"
+#include "core/name_lookup.h"
 #include "io/text_number.h"
 
 namespace strandcast {

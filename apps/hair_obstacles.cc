@@ -7,8 +7,8 @@
 #include "apps/channel.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
+#include "collision/field_cache.h"
 #include "core/error.h"
-#include "scenes/field_cache.h"
 
 namespace strandcast {
 namespace {

@@ -8,11 +8,11 @@
 #include <thread>
 #include <vector>
 
+#include "collision/field_cache.h"
 #include "core/sag_free.h"
-#include "groom/clean.h"
+#include "groom/groom_operations.h"
 #include "groom/procedural_groom.h"
 #include "io/file_bytes.h"
-#include "scenes/field_cache.h"
 
 namespace strandcast {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "core/nearest_name.h"
+#include "core/name_lookup.h"
 
 namespace strandcast {
 namespace {

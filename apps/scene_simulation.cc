@@ -15,7 +15,7 @@
 #include "apps/hair_outlook.h"
 #include "apps/interrupt.h"
 #include "collision/tree_broad_phase.h"
-#include "core/backend_registry.h"
+#include "core/backend.h"
 #include "core/sag_free.h"
 
 namespace strandcast {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <string_view>
 
-#include "core/content_hash.h"
-#include "core/convex_body.h"
+#include "core/contact_primitive.h"
 #include "core/distance_field.h"
+#include "core/hash.h"
 #include "transport/chunks.h"
 
 namespace strandcast {

@@ -13,11 +13,11 @@
 #include "apps/settings.h"
 #include "apps/verbs.h"
 #include "collision/field_bake.h"
+#include "collision/field_cache.h"
 #include "core/error.h"
 #include "io/distance_field_file.h"
 #include "io/file_bytes.h"
 #include "io/mesh_file.h"
-#include "scenes/field_cache.h"
 #ifdef STRANDCAST_HAS_RENDER
 #include "apps/field_slices.h"
 #endif

@@ -7,8 +7,8 @@
 #include "apps/number_range.h"
 #include "apps/settings.h"
 #include "apps/verbs.h"
-#include "groom/clean.h"
-#include "groom/load_groom.h"
+#include "groom/groom.h"
+#include "groom/groom_operations.h"
 #include "io/file_bytes.h"
 
 namespace strandcast {

@@ -24,7 +24,7 @@
 #include "apps/void_settings.h"
 #include "apps/wind_control.h"
 #include "core/error.h"
-#include "core/nearest_name.h"
+#include "core/name_lookup.h"
 #include "transport/chunks.h"
 #include "transport/parameter_table.h"
 

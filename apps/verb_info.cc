@@ -15,7 +15,7 @@
 #include "apps/verbs.h"
 #include "core/error.h"
 #include "gpu_compute/gpu_backend.h"
-#include "groom/load_groom.h"
+#include "groom/groom.h"
 #include "io/axes_and_units.h"
 #include "transport/codec/codec.h"
 #include "transport/dds.h"

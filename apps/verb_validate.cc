@@ -15,7 +15,7 @@
 #endif
 #include "apps/verbs.h"
 #include "apps/wire_suite.h"
-#include "core/backend_registry.h"
+#include "core/backend.h"
 #include "core/error.h"
 #include "validation/suite.h"
 

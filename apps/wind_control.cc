@@ -10,7 +10,7 @@
 #include "air/air_system.h"
 #include "apps/command_limits.h"
 #include "core/error.h"
-#include "core/nearest_name.h"
+#include "core/name_lookup.h"
 #include "core/smooth_step.h"
 
 namespace strandcast {

@@ -12,7 +12,7 @@
 #include "apps/number_range.h"
 #include "bench/bench_scene.h"
 #include "collision/tree_broad_phase.h"
-#include "core/backend_registry.h"
+#include "core/backend.h"
 #include "io/mesh_file.h"
 
 namespace strandcast {

@@ -16,7 +16,7 @@
 #include "bench/bench_scene.h"
 #include "bench/counted_memory.h"
 #include "bench/reader_process.h"
-#include "core/backend_registry.h"
+#include "core/backend.h"
 #include "core/error.h"
 #include "core/quantile.h"
 #include "transport/codec/guide_decoder.h"

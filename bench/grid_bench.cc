@@ -13,7 +13,7 @@
 #include "air/wind_grid.h"
 #include "apps/backends.h"
 #include "bench/bench_scene.h"
-#include "core/backend_registry.h"
+#include "core/backend.h"
 #include "gpu_compute/gpu_air.h"
 
 namespace strandcast {

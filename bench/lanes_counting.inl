@@ -10,7 +10,7 @@ struct real {
 inline uint64_t operations = 0, operations_of[kStepParts] = {};
 inline StepPart part_now = StepPart::kOther;
 
-// Shadows the StepScope of core/step_part.h, which does nothing.
+// Shadows the StepScope of core/strand_block.h, which does nothing.
 class StepScope {
  public:
   explicit StepScope(StepPart part) : around_(part_now) { part_now = part; }

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/drag_step.h"
-#include "core/step_part.h"
+#include "core/backend.h"
 #include "core/strand_block.h"
 
 namespace strandcast {
@@ -18,10 +17,8 @@ namespace kernels::counting {
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
-#include "kernels/surface_bend.h"
 #include "kernels/rod.h"
 #include "kernels/stiff_tensions.h"
-#include "kernels/grooming.h"
 #include "kernels/end_lanes.inl"
 #include "core/block_step.inl"
 // clang-format on

@@ -2,7 +2,7 @@
 #include <array>
 
 #include "core/backend.h"
-#include "core/step_part.h"
+#include "core/strand_block.h"
 
 namespace strandcast {
 

@@ -18,7 +18,7 @@
 #include "bench/axis_fit.h"
 #include "bench/bench_scene.h"
 #include "bench/reader_process.h"
-#include "core/backend_registry.h"
+#include "core/backend.h"
 #include "core/error.h"
 #include "simd/simd_backend.h"
 #include "transport/dds.h"

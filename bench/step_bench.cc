@@ -15,7 +15,7 @@
 #include "bench/measured_copy.h"
 #include "bench/operation_count.h"
 #include "collision/tree_broad_phase.h"
-#include "core/backend_registry.h"
+#include "core/backend.h"
 #include "core/error.h"
 #include "gpu_compute/gpu_air.h"
 #include "simd/simd_backend.h"

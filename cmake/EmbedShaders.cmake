@@ -5,7 +5,7 @@
 function(strandcast_embed_shaders target header)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/embedded)
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-  file(GLOB kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/gl/shaders/* ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*)
+  file(GLOB kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/core/*.glsl ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*)
   add_custom_command(
     OUTPUT ${out}/${folder}/${header}
     COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DOUT=${out}/${folder}/${header} "-DSHADERS=${ARGN}"

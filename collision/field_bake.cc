@@ -4,24 +4,249 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "collision/bake_loop.h"
 #include "collision/body_distance.h"
-#include "collision/brick_search.h"
-#include "collision/field_accuracy.h"
-#include "collision/field_grid.h"
-#include "collision/outer_surface.h"
-#include "collision/surface_samples.h"
 #include "core/error.h"
+#include "core/hash.h"
 
 namespace strandcast {
+namespace {
+
+std::string nameOf(const TriangleMesh& mesh) { return mesh.name.empty() ? "mesh" : "mesh " + mesh.name; }
+
+void requireRange(float value, float low, float high, const char* what, const TriangleMesh& mesh) {
+  if (value >= low && value <= high) return;
+  throw Error(fmt::format("{} is out of range", what), fmt::format("{} m, for {}", value, nameOf(mesh)),
+              fmt::format("give {:g} to {:g} m", low, high));
+}
+
+/// To be raised with each change of the baking that changes fields.
+constexpr uint32_t kBakingVersion = 2;
+
+}  // namespace
+
+float defaultFieldCell(float hair_radius, float diagonal) {
+  return std::max(hair_radius, std::sqrt(diagonal * hair_radius / 8));
+}
+
+float defaultFieldBand(float hair_radius, float cell) { return 4 * cell + hair_radius; }
+
+Box usedBounds(const TriangleMesh& mesh) {
+  Box box;
+  for (const auto& triangle : mesh.triangles)
+    for (const uint32_t corner : triangle) box.extend(Eigen::Vector3f(mesh.positions[corner]));
+  return box;
+}
+
+FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved) {
+  FieldGrid grid{};
+  grid.cell = resolved.cell;
+  grid.band = resolved.band;
+  // Range of the samples: the farthest sample of a brick whose nearest one is within the band plus a cell.
+  grid.quantum =
+      (resolved.band + resolved.cell + std::numbers::sqrt3_v<float> * resolved.cell * kBrickCells) /
+      std::numeric_limits<int16_t>::max();
+  const Box box = usedBounds(mesh);
+  const double edge = double{resolved.cell} * kBrickCells;
+  double corners = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double low = box.min()[a], high = box.max()[a];
+    // A hundredth of a cell more than the band, so that rounding does not reduce the band.
+    const double bricks = std::ceil((high - low + 2 * (resolved.band + 0.01 * resolved.cell)) / edge);
+    corners *= bricks + 1;
+    if (corners > kMaxGridBricks) break;
+    grid.bricks[a] = static_cast<uint32_t>(bricks);
+    grid.origin[a] = static_cast<float>(0.5 * (low + high - bricks * edge));
+  }
+  if (corners > kMaxGridBricks)
+    throw Error(fmt::format("the field would have more than {} bricks", kMaxGridBricks),
+                fmt::format("{}, {:.3g} x {:.3g} x {:.3g} m in cells of {:g} m", nameOf(mesh),
+                            box.sizes().x(), box.sizes().y(), box.sizes().z(), resolved.cell),
+                "give a larger cell (--cell), or check the unit of the mesh");
+  return grid;
+}
+
+FieldOptions resolveFieldOptions(const TriangleMesh& mesh, const FieldOptions& options) {
+  requireSoundMesh(mesh);
+  FieldOptions out = options;
+  requireRange(out.hair_radius, 1e-6f, 5e-3f, "the hair's radius", mesh);
+  const Box box = usedBounds(mesh);
+  const float farthest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  if (farthest > 1e6f)
+    throw Error("a vertex lies more than 1000 km away", nameOf(mesh), "check the unit of the mesh");
+  if (out.cell == 0) out.cell = defaultFieldCell(out.hair_radius, box.diagonal().norm());
+  requireRange(out.cell, 1e-6f, 1e3f, "the cell", mesh);
+  if (out.cell < 100 * std::numeric_limits<float>::epsilon() * farthest)
+    throw Error("the cell is too fine for a body so far from the origin",
+                fmt::format("{}, cells of {:g} m at {:g} m", nameOf(mesh), out.cell, farthest),
+                "give a larger cell (--cell) or move the body to the origin");
+  if (out.band == 0) out.band = defaultFieldBand(std::max(out.hair_radius, out.thickest_hair), out.cell);
+  requireRange(out.band, 2 * out.cell, 1000 * out.cell, "the band", mesh);
+  makeFieldGrid(mesh, out);
+  return out;
+}
+
+uint64_t fieldKey(const TriangleMesh& mesh, const FieldOptions& resolved) {
+  ContentHash hash;
+  hash.add(kBakingVersion);
+  hash.add(resolved.cell);
+  hash.add(resolved.band);
+  hash.add(uint32_t{resolved.is_oriented});
+  hash.add(mesh.positions.size());
+  for (const Vec3& position : mesh.positions) hash.add(position.data(), 3 * sizeof(float));
+  hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
+  return hash.value();
+}
+
+namespace {
+
+/// A cube of 2^level bricks per edge, clipped to the grid. Level 0: a brick.
+struct Cube {
+  std::array<uint32_t, 3> at;
+  uint32_t level;
+};
+
+class BrickSearch {
+ public:
+  explicit BrickSearch(const FieldGrid& grid) : grid_(grid) {}
+
+  std::vector<uint32_t> run(const MeshQuery& query, BakeLoop& loop, const BakeProgress& progress,
+                            double done) const {
+    std::vector<uint32_t> index(size_t{grid_.bricks[0]} * grid_.bricks[1] * grid_.bricks[2], kOutsideBrick);
+    uint32_t level = std::bit_width(std::max({grid_.bricks[0], grid_.bricks[1], grid_.bricks[2]}) - 1);
+    for (std::vector<Cube> cubes{{{0, 0, 0}, level}};; --level) {
+      std::vector<uint8_t> near(cubes.size());
+      loop.run(cubes.size(), progress, "finding bricks", done, done,
+               [&](size_t i) { near[i] = comesNear(cubes[i], query); });
+      std::vector<Cube> finer;
+      for (size_t i = 0; i < cubes.size(); ++i) {
+        if (near[i] == 0) continue;
+        if (level > 0)
+          split(cubes[i], finer);
+        else
+          index[brickNumber(cubes[i].at)] = kCandidate;
+      }
+      if (level == 0) return index;
+      cubes = std::move(finer);
+    }
+  }
+
+ private:
+  size_t brickNumber(const std::array<uint32_t, 3>& at) const {
+    return (size_t{at[2]} * grid_.bricks[1] + at[1]) * grid_.bricks[0] + at[0];
+  }
+
+  bool comesNear(const Cube& cube, const MeshQuery& query) const {
+    Vec3 centre, half;
+    for (int a = 0; a < 3; ++a) {
+      const uint32_t end = std::min(cube.at[a] + (1u << cube.level), grid_.bricks[a]);
+      half[a] = 0.5f * grid_.cell * static_cast<float>((end - cube.at[a]) * kBrickCells);
+      centre[a] = grid_.origin[a] + grid_.cell * static_cast<float>(cube.at[a] * kBrickCells) + half[a];
+    }
+    const float reach = grid_.band + half.norm();
+    return query.distance(centre, reach) < reach;
+  }
+
+  void split(const Cube& cube, std::vector<Cube>& finer) const {
+    const uint32_t side = 1u << (cube.level - 1);
+    for (uint32_t child = 0; child < 8; ++child) {
+      Cube part{cube.at, cube.level - 1};
+      for (int a = 0; a < 3; ++a) part.at[a] += (child >> a & 1) * side;
+      if (part.at[0] < grid_.bricks[0] && part.at[1] < grid_.bricks[1] && part.at[2] < grid_.bricks[2])
+        finer.push_back(part);
+    }
+  }
+
+  const FieldGrid& grid_;
+};
+
+}  // namespace
+
+std::vector<uint32_t> findBricks(const FieldGrid& grid, const MeshQuery& query, BakeLoop& loop,
+                                 const BakeProgress& progress, double done) {
+  return BrickSearch(grid).run(query, loop, progress, done);
+}
+
+namespace {
+
+/// Random points in the stored bricks of a field.
+class BandPlaces {
+ public:
+  explicit BandPlaces(const DistanceField& field) : grid_(field.grid) {
+    for (size_t i = 0; i < field.index.size(); ++i)
+      if (field.index[i] < kInsideBrick) stored_.push_back(static_cast<uint32_t>(i));
+  }
+  bool empty() const { return stored_.empty(); }
+  Vec3 next() {
+    const uint32_t brick = stored_[random_() % stored_.size()], nx = grid_.bricks[0], ny = grid_.bricks[1];
+    const float x = fraction(), y = fraction(), z = fraction();
+    return samplePosition(grid_, brick % nx * kBrickCells, brick / nx % ny * kBrickCells,
+                          brick / nx / ny * kBrickCells) +
+           Vec3(x, y, z) * (grid_.cell * kBrickCells);
+  }
+
+ private:
+  float fraction() { return std::ldexp(static_cast<float>(random_() >> 40), -24); }
+
+  const FieldGrid& grid_;
+  std::vector<uint32_t> stored_;
+  std::mt19937_64 random_{1};
+};
+
+double degrees(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
+FieldAccuracy measureField(const DistanceField& field, const BodyDistance& body, size_t points,
+                           const BakeProgress& progress) {
+  const FieldGrid& grid = field.grid;
+  FieldAccuracy out;
+  std::vector<double> angles;
+  double squares = 0;
+  BandPlaces places(field);
+  for (size_t tries = 0; out.points < points && tries < 50 * points && !places.empty(); ++tries) {
+    if (tries % 16 == 0 && progress &&
+        !progress("measuring", static_cast<double>(out.points) / static_cast<double>(points)))
+      throw BakeStopped();
+    const Vec3 p = places.next();
+    if (body.toMesh(p, grid.band) >= grid.band) continue;
+    ++out.points;
+    const BodyPoint exact = body.at(p);
+    const FieldSample found = field.at(p);
+    const double error = std::fabs(double{found.distance} - double{exact.signed_distance});
+    out.worst = std::max(out.worst, error);
+    squares += error * error;
+    if (exact.in_doubt) ++out.unclear;
+    if (std::fabs(exact.signed_distance) > grid.cell && found.distance * exact.signed_distance < 0)
+      ++out.wrong_side;
+    // Very near the surface rounding spoils the direction to it.
+    if (exact.to_lid || std::fabs(exact.signed_distance) < 0.01f * grid.cell) continue;
+    const double side = exact.signed_distance < 0 ? -1 : 1;
+    angles.push_back(
+        degrees((p - body.nearestOnMesh(p)).cast<double>() * side, found.gradient.cast<double>()));
+  }
+  if (out.points > 0) out.rms = std::sqrt(squares / static_cast<double>(out.points));
+  if (!angles.empty()) {
+    std::sort(angles.begin(), angles.end());
+    out.median_angle = angles[angles.size() / 2];
+    out.p99_angle = angles[angles.size() * 99 / 100];
+    out.worst_angle = angles.back();
+  }
+  return out;
+}
+
 namespace {
 
 using Corners = std::array<Vec3, 3>;

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "collision/mesh_check.h"
-#include "collision/surface_orientation.h"
+#include "collision/mesh_repair.h"
 #include "core/distance_field.h"
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 
 namespace strandcast {
 
@@ -97,7 +96,7 @@ class FieldBaker {
   const MeshCheck& mesh() const;        ///< of the oriented mesh
   const SurfaceRepair& repair() const;
   /// Share of the surface with an uncertain inside-outside test, 0 to 1: see shareInDoubt in
-  /// surface_samples.h. 0 for a closed mesh.
+  /// body_distance.h. 0 for a closed mesh.
   double shareInDoubt() const;
   /// Warnings on repairs, and on where inside and outside stay uncertain. One line each, without the name of
   /// the mesh.

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/mesh_check.h"
+#include "collision/mesh_repair.h"
 #include "core/error.h"
 
 namespace strandcast {

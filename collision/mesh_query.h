@@ -3,7 +3,7 @@
 #include <limits>
 #include <memory>
 
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 
 namespace strandcast {
 

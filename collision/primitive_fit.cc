@@ -6,8 +6,7 @@
 #include <queue>
 #include <string>
 
-#include "collision/outer_surface.h"
-#include "collision/surface_samples.h"
+#include "collision/body_distance.h"
 #include "core/error.h"
 
 namespace strandcast {

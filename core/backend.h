@@ -1,4 +1,6 @@
+// What computes a step: backends, external forces such as air, and the choice of a backend.
 #pragma once
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -23,7 +25,7 @@ struct StepInput {
   std::span<const Pose> bones_begin{}, bones_end{};
   std::span<const MovingPrimitive> primitives{};  ///< any number
   /// m/s^2 per vertex, natural order, added to gravity and constant over the step; empty = none. See
-  /// core/external_forces.h. Only for backends with takesAccelerations().
+  /// ExternalForces. Only for backends with takesAccelerations().
   std::span<const Vec3> accelerations{};
   const ShapeData* shapes = nullptr;  ///< words of the primitives; may be null if none is convex or a field
   const NearBodyLists* near =
@@ -89,5 +91,62 @@ std::unique_ptr<Backend> makeReferenceBackend();
 std::unique_ptr<Backend> makeOracleBackend();
 /// Description of the reference backend for createBackend().
 BackendInfo referenceBackendInfo();
+
+/// Effect of air drag of `rate` (1/s) in a substep of `h` seconds, exact for forces that are constant in it
+/// (exponential integrator; Hochbruck and Ostermann 2010; docs/solver.md (3)). The wind w and an acceleration
+/// a change the velocity v to keep v + (1 - keep) w + a time2 / h. So terminal velocities, and wind that
+/// balances weight and stiffness, are right in substeps of any length.
+struct DragStep {
+  DragStep(double rate, double h)
+      : keep(std::exp(-rate * h)), time2(rate * h > 0 ? -std::expm1(-rate * h) * h / rate : h * h) {}
+  double keep;   ///< exp(-rate h)
+  double time2;  ///< s^2, h^2 without drag: displacement in the substep by an acceleration of 1 m/s^2
+};
+
+/// Creates the backend `name` ("auto" or a backend's name) from `known`. `auto` takes the available one of
+/// highest score that has the solver; if creation fails it tries the next. Throws Error if none can run. A
+/// named backend that cannot run is an Error, too: there is no silent fallback.
+std::unique_ptr<Backend> createBackend(const std::vector<BackendInfo>& known, const std::string& name,
+                                       int threads, SolverKind solver = SolverKind::kRod);
+
+class AirSystem;  // air/air_system.h
+
+/// Interface of accelerations besides gravity and contact: moving air, forces between hairs. Once per step,
+/// before the substeps, it gives every vertex an acceleration, which the backend adds to gravity.
+/// Implementations are in air/ and gpu_compute/.
+class ExternalForces {
+ public:
+  virtual ~ExternalForces() = default;
+
+  /// Whether these parameters need external forces. If not, no other member is called: they cost neither time
+  /// nor memory.
+  virtual bool isNeeded(const Parameters& parameters) const = 0;
+  /// Configures for new parameters, which are valid; called before the first step that needs external forces.
+  /// The model is the same in every call, and `backend` has loaded it. Calls backend.prepareAccelerations()
+  /// if step() will fill input.accelerations. May allocate. Throws Error, with the strong exception
+  /// guarantee, if the parameters do not fit.
+  virtual void configure(const StrandModel& model, const Parameters& parameters, Backend& backend) = 0;
+  /// Resets the air to its initial state: after a reset or a teleport, and when it is needed again. The
+  /// backend and StepInput use `origin` (m, world) from now on; initially it is the world origin. May
+  /// allocate; throws Error.
+  virtual void reset(const Vec3& origin) = 0;
+  /// Changes `origin` (m, world) only, while external forces are needed: the air keeps its state and its
+  /// position in the world. May allocate; throws Error.
+  virtual void moveOrigin(const Vec3& origin) = 0;
+
+  /// Advances by the step that `backend` is about to do. Computes accelerations from the backend's positions
+  /// and velocities. Writes them to input.accelerations, valid until the next call, or directly to the
+  /// backend's memory. Neither throws nor allocates.
+  virtual void step(StepInput& input, Backend& backend) = 0;
+  /// Accelerations of the newest step(), m/s^2 per vertex, natural order. Call it before the backend's own
+  /// step. Waits if they are elsewhere than in input.accelerations.
+  virtual std::span<const Vec3> accelerations() = 0;
+
+  /// These forces as an air system; null for forces of another kind.
+  virtual AirSystem* airSystem() { return nullptr; }
+};
+
+/// Whether the parameters alone need external forces.
+bool needsExternalForces(const Parameters& parameters);
 
 }  // namespace strandcast

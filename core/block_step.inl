@@ -3,9 +3,7 @@
 // clang-format off
 #include "core/body_surface.inl"
 #include "core/strand_sweep.inl"
-#include "core/contact_query_batch.inl"
 #include "core/near_bodies.inl"
-#include "core/grooming.inl"
 #include "core/gauss_seidel_sweep.inl"
 #include "core/rod_sweep.inl"
 // clang-format on

@@ -1,18 +1,30 @@
+// Shapes that hair collides with, and their data in the format of all backends.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "core/convex_body.h"
 #include "core/distance_field.h"
 #include "core/geometry.h"
-#include "core/surface_bend.h"
 
 namespace strandcast {
 
-/// Kinds of contact primitives. gl/shaders/body_surface.glsl repeats the values.
+/// Intersection of half spaces. Distances are exact inside. Outside, the distance is that to the farthest
+/// plane: a lower bound in front of edges and corners.
+struct ConvexBody {
+  std::vector<std::array<float, 4>> planes;  ///< unit normal out of the body; distance from the origin, m
+  Box bounds;
+};
+
+/// Planes of a closed convex mesh, at most 1024; coplanar triangles share one. Throws Error if a vertex lies
+/// in front of a triangle's plane by more than `tolerance` x the mesh's diagonal. Also if the mesh is open,
+/// has no volume or has too many planes.
+ConvexBody convexBody(const TriangleMesh& mesh, float tolerance = 1e-4f);
+
+/// Kinds of contact primitives. core/body_surface.glsl repeats the values.
 enum class PrimitiveKind : uint32_t {
   kSphere = 0,
   kCapsule = 1,

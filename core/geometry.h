@@ -1,6 +1,12 @@
+// Vectors, rotations, poses and triangle meshes.
 #pragma once
 #include <Eigen/Geometry>
+
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace strandcast {
 
@@ -40,5 +46,33 @@ Eigen::Quaternion<Scalar> shortestRotation(const Eigen::Matrix<Scalar, 3, 1>& fr
   axis = sine > Scalar(1e-12) ? (axis / sine).eval() : from.unitOrthogonal().eval();
   return Eigen::Quaternion<Scalar>(Eigen::AngleAxis<Scalar>(angle, axis));
 }
+
+/// Throws Error, naming `where`, unless the position is finite and within kFarthestPose of the origin on each
+/// axis and the rotation is a unit quaternion to kUnitTolerance. Allocates only to throw.
+void checkPose(const Pose& pose, const char* where);
+
+constexpr float kFarthestPose = 1e4f;    ///< m: beyond it a float does not resolve a millimetre
+constexpr float kUnitTolerance = 1e-3f;  ///< on a rotation's norm
+
+/// Rotation nearest to a matrix of finite numbers.
+Quat nearestRotation(const Eigen::Matrix3d& matrix);
+
+/// A triangle mesh in metres, Y up, counter-clockwise seen from outside.
+struct TriangleMesh {
+  std::string name;
+  std::vector<Vec3> positions;
+  std::vector<Vec3> normals;                       ///< one per position, unit length; empty until computed
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< indices into positions, all in range
+
+  bool empty() const { return triangles.empty(); }
+  Box bounds() const {
+    Box box;
+    for (const Vec3& p : positions) box.extend(Eigen::Vector3f(p));
+    return box;
+  }
+};
+
+/// Sets `normals` to the angle-weighted mean of the adjacent triangles' normals.
+void computeNormals(TriangleMesh& mesh);
 
 }  // namespace strandcast

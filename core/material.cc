@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "core/nearest_name.h"
+#include "core/name_lookup.h"
 
 namespace strandcast {
 namespace {

@@ -1,6 +1,62 @@
+// Bodies near the strands of a block, and contact queries in full vectors. Included after core/strand_sweep.inl.
+
+// Batches contact queries of arbitrary rows and lanes of a block into full SIMD vectors: only a few lanes of a row need
+// a query, and a query costs the same for one lane as for all. The result for a vertex does not depend on the other
+// lanes.
+class ContactQueryBatch {
+ public:
+  struct Query {
+    real3 x, x_start;     // m, query point, and position at the start of the substep
+    real way, travelled;  // m, relative travel between the two, and travel before, see NearBodies
+    real others;          // m, least separation bound of the bodies that need no query
+    real clear;           // m, clearance
+  };
+
+  int count() const { return count_; }
+  /// Adds the query of row i in `lanes`. Precondition: count() < kLanes.
+  void add(int i, const Query& query, const mask& lanes) {
+    const real columns[kColumns] = {query.x.x,
+                                    query.x.y,
+                                    query.x.z,
+                                    query.x_start.x,
+                                    query.x_start.y,
+                                    query.x_start.z,
+                                    query.way,
+                                    query.travelled,
+                                    query.others,
+                                    query.clear,
+                                    lit(static_cast<double>(i) * kLanes) + laneNumbers()};
+    const Packing together = packing(lanes);
+    for (int c = 0; c < kColumns; ++c) compressStore(columns[c], together, columns_[c] + count_);
+    count_ += std::popcount(laneBits(lanes));
+  }
+  /// Removes up to kLanes queries and returns their number. `numbers`: per query, row x kLanes + lane.
+  int take(Query& query, uint32_t* numbers) {
+    real columns[kColumns];
+    for (int c = 0; c < kColumns; ++c) {
+      columns[c] = load(columns_[c]);
+      store(load(columns_[c] + kLanes), columns_[c]);
+    }
+    query = {{columns[0], columns[1], columns[2]},
+             {columns[3], columns[4], columns[5]},
+             columns[6],
+             columns[7],
+             columns[8],
+             columns[9]};
+    storeAsInt(columns[kColumns - 1], numbers);
+    const int taken = std::min(count_, kLanes);
+    count_ -= taken;
+    return taken;
+  }
+
+ private:
+  static constexpr int kColumns = 11;
+  alignas(64) Scalar columns_[kColumns][2 * kLanes] = {};
+  int count_ = 0;
+};
+
 // Bodies that the strands of a block may touch in a step, and the contact queries of their vertices. The broad phase
 // lists bodies per neighbourhood by the reach of strands; this class keeps those near the block's present positions.
-// Included after core/strand_sweep.inl.
 class NearBodies {
  public:
   NearBodies(const Block& b, const StepInput& input) : block_(b), bodies_(input.primitives) {
@@ -77,7 +133,7 @@ class NearBodies {
   // far, as seen from any body. Each vertex stores its travel since the start of the step and the least bound over all
   // bodies: a lower limit of (gap + travel) at some earlier time. Each row also stores the bound of every placed body
   // at the start of the step. Bounds skip queries without changing any result. Queries are batched into full SIMD
-  // vectors (core/contact_query_batch.inl).
+  // vectors (ContactQueryBatch).
 
   /// Initialises bounds and travel. Call it at the start of a step, before queueContactQuery(). `rows`: memory for
   /// contactScratch() numbers.

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/material.h"
-#include "core/nearest_name.h"
+#include "core/name_lookup.h"
 
 namespace strandcast {
 namespace {

@@ -4,8 +4,6 @@
 #include <cstring>
 
 #include "core/backend.h"
-#include "core/drag_step.h"
-#include "core/step_part.h"
 #include "core/strand_block.h"
 #include "kernels/scalar_double.h"
 #include "kernels/scalar_float.h"

@@ -12,6 +12,10 @@
 //   finish             root to tip: their displacements, exact lengths, velocities
 // Strands above the correction limit take more: their tension increments act through the bending matrix. They and
 // strands near a body have their lengths solved again (applyTensions, substituteLengths).
+//
+// After the sweeps come what is constant during a step (findTraits: stiffness, rest bends, edge lengths, driving
+// forces), lengths between pins (mostTautness, shareMissing), tension increments of stiff strands by elimination
+// (eliminateTensions), and the velocity clamp of strands that overshoot. Contact is in core/rod_contact.inl.
 
 // Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i. Vertices are
 // represented by their shifts since the substep began, which are small: rounding of positions would act as motion, and
@@ -710,12 +714,157 @@ inline real RodStep::finish(bool any_overshot) {
   return sqrt(way2) * inverse_h;
 }
 
-#include "core/rod_traits.inl"
-#include "core/held_contact.inl"
-#include "core/resolve_penetration.inl"
-#include "core/pinned_lengths.inl"
-#include "core/stiff_tensions.inl"
-#include "core/velocity_clamp.inl"
+// Finds which strands are kinked, and their correction limits, from their bends at rest and their stiffness; as
+// restBends() of core/strand_model.h.
+inline void RodStep::findBends() {
+  real bends = lit(0), changes = lit(0), second_changes = lit(0);
+  real3 before = makeReal3(lit(0), lit(0), lit(0)), change_before = before;
+  for (int j = 1; j < ne; ++j) {
+    const real3 strain = state3(b.rest_strain, j), change = strain - before, second = change - change_before;
+    bends = bends + dot(strain, strain);
+    if (j > 1) changes = changes + dot(change, change);
+    if (j > 2) second_changes = second_changes + dot(second, second);
+    before = strain;
+    change_before = change;
+  }
+  const mask uneven = bendsUnevenly(bends, changes, second_changes, lit(ne - 1));
+  kinked_ = isKinked(uneven, stiffest_);
+  correction_limit_ = correctionLimit(uneven || isSharp(bends, lit(ne - 1)), stiffest_);
+}
+
+// Upper bound of the acceleration of vertex i by air and external forces, without gravity, m/s^2. `wind`: that by wind
+// for an air drag factor of 1.
+inline real RodStep::drivenByAir(int i, const real& wind) const {
+  real driven = groomingFactor(b, kAirDragScale, i) * wind;
+  if (b.acceleration != nullptr) {
+    const real3 own = accelerationOf(b, i);
+    driven = driven + sqrt(dot(own, own));
+  }
+  return driven;
+}
+
+// Runs once per step, before its first substep.
+inline void RodStep::findTraits() {
+  mask seen_free = lit(1) < lit(0);
+  between_pins_ = seen_free;
+  real length = lit(0), hung = lit(0), shortest = lengthOf(0), driven = lit(0);
+  const real wind = lit(p.air_drag * p.wind.norm());
+  stiffest_ = lit(0);
+  for (int e = 0; e < ne; ++e) {
+    const real il = inverseLength(e);
+    stiffest_ = max(stiffest_, stiffnessOf(bend(e), il, lit(time2_), ownWeight(e + 1)));
+    length = length + lengthOf(e);
+    shortest = min(shortest, lengthOf(e));
+    driven = max(driven, drivenByAir(e + 1, wind));
+    const mask is_free = weight(e + 1) > lit(0);
+    between_pins_ = between_pins_ || (seen_free && !is_free);
+    seen_free = seen_free || is_free;
+    hung = hung + select(is_free, ownMass(e + 1), lit(0));
+  }
+  findBends();
+  cut_unevenly_ = isCutUnevenly(shortest, length * lit(1.0 / ne));
+  const real taut = mostTautness();
+  taut_ = isTaut(taut);
+  most_tension_ = tensionBound(hung, length, taut * (lit(p.gravity.norm()) + driven), lit(time2_));
+}
+
+// Greatest tautness() between any two pins of a strand, for the pin positions at the end of the step; 1 if nothing
+// hangs between pins.
+inline real RodStep::mostTautness() const {
+  real most = lit(1), length = lit(0);  // since the last pin
+  if (!b.pinned) return most;
+  real3 pin = end_.position;
+  mask follows_pin = lit(0) < lit(1);
+  for (int e = 0; e < ne; ++e) {
+    length = length + lengthOf(e);
+    const mask pinned = !(weight(e + 1) > lit(0));
+    const real3 held = heldPoint(b, end_, e + 1, 1), span = held - pin;
+    most = select(pinned && !follows_pin, max(most, tautness(sqrt(dot(span, span)), length)), most);
+    pin = select(pinned, held, pin);
+    length = select(pinned, lit(0), length);
+    follows_pin = pinned;
+  }
+  return most;
+}
+
+// Distributes what exact lengths miss at a pin over the edges since the last pin, in proportion to their rest lengths.
+// With all of it on the last edge, a taut strand that was shaken stayed crumpled, and that edge became as long as all
+// others together.
+[[gnu::noinline]] inline void RodStep::shareMissing() {
+  real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in;
+  real length = lit(0);  // since the last pin
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  TensionShifts tensions(*this);
+  for (int e = 0; e < ne; ++e) {
+    const real3 old = state3(b.position, e + 1), pulled = tensions.shifted(e), advance = pulled - pulled_in;
+    shift = shift + advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
+    length = length + lengthOf(e);
+    const mask pinned = !(weight(e + 1) > lit(0));
+    set3(kShared, e, select(pinned, (pulled - shift) * inverse(max(length, lit(1e-9))), zero));
+    shift = select(pinned, pulled, shift);
+    length = select(pinned, lit(0), length);
+    old_in = old;
+    pulled_in = pulled;
+  }
+  real3 per_length = zero;
+  for (int e = ne - 1; e >= 0; --e) {
+    per_length = select(weight(e + 1) > lit(0), per_length, get3(kShared, e));
+    set3(kShared, e, per_length * lengthOf(e));
+  }
+}
+
+// Finds and applies the tension increments of `strands`. Like applyTensionsThroughBending(), it leaves no increments
+// for applyTensions(), and softness 0.
+inline void RodStep::eliminateTensions(const mask& strands) {
+  const StepScope scope{StepPart::kTensions};
+  static_assert(sizeof(TensionRow) == kTensionPlanes * kLanes * sizeof(Scalar));
+  TensionRow* const rows = reinterpret_cast<TensionRow*>(scratch_ + rodScratch(n, kLanes));
+  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
+  OuterTensions outside = noOuterTensions();
+  for (int e = ne - 1; e >= 0; --e) {
+    const mask moves = weight(e + 1) > lit(0), moves_in = lit(e) > lit(0) && weight(e) > lit(0);
+    const real3 t = get3(kTangent, e);
+    const real3 edge = (state3(b.position, e + 1) - state3(b.position, e)) + (get3(kShift, e + 1) - get3(kShift, e));
+    rows[e] = eliminateTension(outside, moves, get(kPivot, e), e > 0 ? get(kFactor1, e - 1) : lit(0),
+                               e > 1 ? get(kFactor2, e - 2) : lit(0), select(moves, t, zero), select(moves_in, t, zero),
+                               lengthResidualOf(e, dot(edge, t)), normalAt(e + 1));
+  }
+  real3 near = zero, far = zero;  // shifts of the next two vertices inwards
+  real lambda = firstTension(outside);
+  for (int e = 0; e < ne; ++e) {
+    const real3 moved = shiftOf(rows[e], near, far, lambda), before = get3(kShift, e + 1);
+    const real tension = state(b.tension, 0, e);
+    store(select(strands, tension + lambda, tension), b.tension + at(0, e));
+    set3(kShift, e + 1, select(strands, before + moved, before));
+    set(kRight, e, select(strands, lit(0), get(kRight, e)));
+    set(kSoftness, e + 1, select(strands, lit(0), get(kSoftness, e + 1)));
+    lambda = tensionOf(rows[e], near, far, lambda);
+    far = near;
+    near = moved;
+  }
+}
+
+// Greatest speed per strand of its vertices, root and pins and of the bodies beside it, m/s. Call it before the substep
+// stores new velocities.
+[[gnu::noinline]] inline real RodStep::fastest() const {
+  const StepScope scope{StepPart::kVelocities};
+  const real3 root = get3(kShift, 0);
+  real way2 = dot(root, root), speed2 = lit(0);
+  for (int i = 1; i < n; ++i) {
+    const real3 v = state3(b.velocity, i), x = state3(b.position, i), shift = get3(kShift, i);
+    speed2 = max(speed2, dot(v, v));
+    const real beside2 = among_bodies_ ? near_.carried2(i, x + shift, x) : lit(0);
+    way2 = max(way2, select(weight(i) > lit(0), beside2, dot(shift, shift)));
+  }
+  return sqrt(max(speed2, way2 * lit(1 / (h * h))));
+}
+// Multiplies the velocities of free vertices by `part`. Call it after the substep has stored them.
+[[gnu::noinline]] inline void RodStep::clampVelocities(const real& part) {
+  const StepScope scope{StepPart::kVelocities};
+  for (int i = 1; i < n; ++i) store3(state3(b.velocity, i) * select(weight(i) > lit(0), part, lit(1)), b.velocity, i);
+}
+
+#include "core/rod_contact.inl"
 
 inline void stepRod(const Block& b, const StepInput& input, Scalar* scratch) { RodStep(b, input, scratch).run(); }
 

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "core/error.h"
-#include "core/joint_law.h"
 #include "core/parameters.h"
+#include "core/rod_elasticity.h"
 
 namespace strandcast {
 namespace {

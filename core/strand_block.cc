@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "core/strand_order.h"
+#include "core/broad_phase.h"
 
 namespace strandcast {
 namespace {

@@ -114,7 +114,7 @@ constexpr int kMostLanes = 64;  ///< greatest number of strands of a block
 
 constexpr int kSolverPlanes = 22;   ///< scratch numbers per vertex and lane: of a solver,
 constexpr int kTensionPlanes = 29;  ///< of the tension increments of stiff strands,
-constexpr int kGroomingRows = 6;    ///< of core/grooming.inl,
+constexpr int kGroomingRows = 6;    ///< of core/strand_sweep.inl,
 constexpr int kContactPlanes = 21;  ///< and of core/near_bodies.inl,
 constexpr int kPlacedBodies = 16;   ///< which also has one per vertex and placed body, for all lanes together
 
@@ -245,5 +245,26 @@ extern template class BlockStore<double>;
 /// edge; edge 0 in the root frame. `rest_local` and `edges` have one entry per vertex of the strand; the last
 /// of `edges` is zero.
 void restEdges(std::span<const Vec3> rest_local, std::span<Vec3> edges);
+
+/// Parts of a step of a block of strands, in the order of its sweeps (core/rod_sweep.inl,
+/// core/gauss_seidel_sweep.inl), for operation counts.
+enum class StepPart : uint8_t {
+  kOther,    ///< once per step: properties of strands, grooming rows; roots; control flow
+  kPredict,  ///< inertial points; rod: tangents and parallel transport of frames
+  kTwist,    ///< rod: joint strains, elimination of twist
+  kBend,  ///< rod: substitution of twist, forces, elimination of bending; gauss_seidel: angular constraints
+  kMove,  ///< rod: substitution of bending, elimination of lengths; gauss_seidel: distances, tethers
+  kTensions,  ///< rod: substitution of lengths; tension increments with the dense metric or by elimination
+  kSecondLengthPass,  ///< rod: second elimination of lengths, with the dense metric or near a body
+  kVelocities,        ///< exact lengths, velocities
+  kContact,           ///< contact queries, contact solves, penetration resolution
+};
+constexpr int kStepParts = 9;
+
+/// Marks the code from here to the end of the scope as a part of the step; the innermost scope counts. This
+/// one does nothing; bench/lanes_counting.inl shadows it with one that counts operations.
+struct [[maybe_unused]] StepScope {
+  StepPart part;
+};
 
 }  // namespace strandcast

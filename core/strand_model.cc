@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/content_hash.h"
 #include "core/error.h"
-#include "core/joint_law.h"
-#include "core/pose_check.h"
-#include "core/rod_sections.h"
+#include "core/geometry.h"
+#include "core/hash.h"
+#include "core/rod_elasticity.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast {

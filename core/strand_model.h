@@ -127,7 +127,7 @@ struct StrandState {
 /// checkMaterial() do.
 ///
 /// Edges are not merged or resampled: a strand with an edge shorter than a tenth of its mean edge never comes
-/// to rest under `rod` (cleanStrands() of groom/clean.h merges such vertices).
+/// to rest under `rod` (cleanStrands() of groom/groom_operations.h merges such vertices).
 ///
 /// `materials`: at least one, indexed by StrandSet::parts; the last one serves all further parts.
 StrandModel makeStrandModel(const StrandSet& rest, const std::vector<Material>& materials = {Material{}});

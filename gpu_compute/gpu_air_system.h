@@ -5,7 +5,7 @@
 
 #include "air/air_system.h"
 #include "air/wind_source.h"
-#include "core/external_forces.h"
+#include "core/backend.h"
 #include "gpu_compute/gpu_air.h"
 #include "gpu_compute/gpu_device.h"
 #include "gpu_compute/hair_passes.h"

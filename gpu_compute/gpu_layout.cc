@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/drag_step.h"
+#include "core/backend.h"
 
 namespace strandcast::gpu {
 

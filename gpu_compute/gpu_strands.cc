@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/drag_step.h"
+#include "core/backend.h"
+#include "core/broad_phase.h"
 #include "core/error.h"
-#include "core/strand_order.h"
 #include "gl/errors.h"
 #include "gpu_compute/shaders.h"
 #include "kernels/scalar_float.h"

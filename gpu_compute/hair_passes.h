@@ -2,9 +2,7 @@
 #include <array>
 #include <vector>
 
-#include "air/drag_shares.h"
 #include "air/hair_layout.h"
-#include "air/strand_samples.h"
 #include "core/parameters.h"
 #include "gpu_compute/air_layout.h"
 #include "gpu_compute/strand_groups.h"

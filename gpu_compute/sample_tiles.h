@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "air/hair_layout.h"
-#include "air/strand_samples.h"
 
 namespace strandcast::gpu {
 

@@ -4,9 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "air/ambient.h"
 #include "air/wind.h"
-#include "air/wind_box.h"
 #include "air/wind_source.h"
 #include "gpu_compute/air_layout.h"
 #include "gpu_compute/mapped_rings.h"

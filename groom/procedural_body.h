@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/contact_primitive.h"
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 
 namespace strandcast {
 

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/hash.h"
 #include "core/smooth_step.h"
-#include "core/split_mix.h"
 #include "groom/procedural_body.h"
 
 namespace strandcast {

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 #include "groom/groom.h"
 
 namespace strandcast {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/pose_check.h"
+#include "core/geometry.h"
 
 namespace strandcast {
 namespace {

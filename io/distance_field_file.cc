@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/content_hash.h"
+#include "core/hash.h"
 #include "io/file_bytes.h"
 #include "io/little_endian.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 #include "io/file_report.h"
 #include "io/gltf_document.h"
 #include "io/mesh_file.h"

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 #include "io/groom_file.h"
 
 namespace strandcast {

@@ -1,6 +1,6 @@
 #include "io/skeleton.h"
 
-#include "core/nearest_rotation.h"
+#include "core/geometry.h"
 
 #include <algorithm>
 #include <cctype>

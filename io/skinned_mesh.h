@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 #include "io/groom_file.h"
 #include "io/mesh_file.h"
 #include "io/skeleton.h"

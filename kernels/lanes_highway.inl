@@ -114,10 +114,7 @@ HWY_INLINE real highHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftR
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
-#include "kernels/surface_bend.h"
 #include "kernels/rod.h"
-#include "kernels/straight_joint.h"
 #include "kernels/stiff_tensions.h"
-#include "kernels/grooming.h"
 #include "kernels/grid.h"
 // clang-format on

@@ -1,6 +1,7 @@
 // Kernel text: see kernels/README.md. Position based dynamics of strands (Yuksel and Tariq 2010, "Advanced Techniques
 // in Real-time Hair Rendering and Simulation", chapter 3): Verlet prediction, angular constraints towards the rest
-// shape in the parent edge's frame, and distance constraints, in batches that share no vertex.
+// shape in the parent edge's frame, and distance constraints, in batches that share no vertex. Then the grooming
+// constraints of a vertex: goal pull, which the rod has, too, and tether.
 
 // Position after `dt` seconds without constraints. keep = exp(-drag dt) is the share of the velocity that air drag
 // leaves; wind replaces the rest. `time2`: displacement by an acceleration of 1 m/s^2, m (DragStep::time2).
@@ -45,3 +46,28 @@ FN void solveAngular(INOUT(real3) p, INOUT(real3) a, INOUT(real3) b, IN(real) wp
 // Rotation without twist that carries a frame from an edge of unit direction `from` to its neighbour of unit direction
 // `to` (Bishop 1975). Frames along a strand are products of these from the root outwards.
 FN quat transportFrame(IN(real3) from, IN(real3) to) { return rotationBetween(from, to); }
+
+// The goal pull is an undamped spring from a vertex to its goal: its position in the rest shape as the root carries it.
+// Acceleration rate^2 (goal - x), rate in 1/s, at the end of the substep (implicit Euler). goalStiffness() is added to
+// the vertex's mass in a linear system for its displacement, and goalPull() replaces acceleration x mass. `time2`: s^2,
+// displacement by an acceleration of 1 m/s^2 (DragStep::time2).
+FN real goalStiffness(IN(real) mass, IN(real) rate, IN(real) time2) { return mass * rate * rate * time2; }
+// Right-hand side (m x mass) of a vertex. `lack`: vector to its goal; `way`: displacement without the pull; both m.
+// `mass` includes the stiffness.
+FN real3 goalPull(IN(real3) way, IN(real) mass, IN(real) stiffness, IN(real3) lack) {
+  return madd(lack - way, stiffness, way * mass);
+}
+// Position after the same pull on a vertex without other forces, in place of x.
+FN real3 drawnToGoal(IN(real3) x, IN(real3) goal, IN(real) rate, IN(real) time2) {
+  real stiffness = goalStiffness(lit(1), rate, time2);
+  return madd(goal - x, stiffness * inverse(lit(1) + stiffness), x);
+}
+
+// Tether: keeps x within `longest` (m) of its root, as a rope does (Kim, Chentanez, Mueller-Fischer 2012, "Long Range
+// Attachments"). A few sweeps of constraints between neighbours do not carry the root's tension to the tip.
+FN real3 tethered(IN(real3) x, IN(real3) root, IN(real) longest) {
+  real3 away = x - root;
+  real l2 = dot(away, away);
+  mask taut = l2 > longest * longest;
+  return select(taut, madd(away, longest * inverseSqrt(select(taut, l2, lit(1))), root), x);
+}

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/split_mix.h"
+#include "core/hash.h"
 #include "render/hair_detail.h"
 #include "render/root_triangles.h"
 

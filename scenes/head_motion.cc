@@ -14,7 +14,6 @@
 #include "io/bvh_skeleton.h"
 #include "io/file_bytes.h"
 #include "io/file_report.h"
-#include "scenes/ease.h"
 
 namespace strandcast {
 namespace {

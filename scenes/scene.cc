@@ -10,16 +10,16 @@
 #include <utility>
 
 #include "collision/field_bake.h"
+#include "collision/field_cache.h"
 #include "collision/mesh_query.h"
 #include "collision/primitive_fit.h"
-#include "core/content_hash.h"
 #include "core/error.h"
-#include "groom/clean.h"
-#include "groom/load_groom.h"
+#include "core/hash.h"
+#include "groom/groom.h"
+#include "groom/groom_operations.h"
 #include "groom/procedural_body.h"
 #include "io/mesh_file.h"
-#include "scenes/ease.h"
-#include "scenes/field_cache.h"
+#include "scenes/head_motion.h"
 
 namespace strandcast {
 namespace {
@@ -250,7 +250,7 @@ void noteFollowing(Scene& scene) {
       for (size_t i = 0; i < parts.size(); ++i) {
         const ContactPrimitive& shape = scene.bodies[skinned.first_body + i].primitives[0];
         const Vec3 place = parts[i].pose.apply(p);
-        // As in contact (kernels/surface_bend.h): outside the grid the bend at the grid's border applies.
+        // As in contact (kernels/distance_field.h): outside the grid the bend at the grid's border applies.
         const Vec3 shift = parts[i].bend.shift(nearestOf(shape.field->grid, place));
         distance = std::min(distance, shape.field->at(place + shift).distance);
       }

@@ -8,13 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "collision/field_cache.h"
 #include "core/simulation.h"
 #include "groom/procedural_groom.h"
 #include "io/groom_file.h"
-#include "scenes/field_cache.h"
 #include "scenes/head_motion.h"
-#include "scenes/part_materials.h"
-#include "scenes/part_pins.h"
+#include "scenes/part_rules.h"
 #include "scenes/scene_primitives.h"
 #include "scenes/skinned_body.h"
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <utility>
 
-#include "core/content_hash.h"
 #include "core/error.h"
+#include "core/hash.h"
 #include "io/mesh_file.h"
 
 namespace strandcast {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "collision/field_cache.h"
 #include "core/contact_primitive.h"
 #include "core/simulation.h"
 #include "io/groom_file.h"
-#include "scenes/field_cache.h"
 
 namespace strandcast {
 

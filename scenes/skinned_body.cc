@@ -6,11 +6,10 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/nearest_name.h"
+#include "core/name_lookup.h"
 #include "io/bvh_skeleton.h"
 #include "io/file_bytes.h"
 #include "io/file_report.h"
-#include "scenes/ease.h"
 #include "scenes/head_motion.h"
 
 namespace strandcast {

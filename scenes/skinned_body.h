@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "collision/surface_orientation.h"
+#include "collision/mesh_repair.h"
+#include "collision/skin_parts.h"
+#include "collision/skin_roots.h"
 #include "core/simulation.h"
 #include "io/skinned_mesh.h"
-#include "scenes/skin_parts.h"
-#include "scenes/skin_roots.h"
 
 namespace strandcast {
 

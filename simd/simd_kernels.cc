@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/drag_step.h"
-#include "core/step_part.h"
+#include "core/backend.h"
+#include "core/strand_block.h"
 #include "kernels/highway_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/simd_kernels.cc"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/nearest_rotation.h"
+#include "core/geometry.h"
 #include "transport/body_binding.h"
 
 namespace strandcast {

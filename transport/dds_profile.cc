@@ -1,6 +1,6 @@
 #include <array>
 
-#include "core/named_entry.h"
+#include "core/name_lookup.h"
 #include "transport/dds.h"
 
 namespace strandcast {

@@ -4,11 +4,10 @@
 #include <vector>
 
 #include "core/contact_primitive.h"
+#include "core/distance_field.h"
 #include "core/geometry.h"
 #include "core/parameters.h"
 #include "core/strand_set.h"
-#include "core/surface_bend.h"
-#include "core/triangle_mesh.h"
 
 namespace strandcast {
 

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "collision/field_bake.h"
-#include "core/joint_law.h"
+#include "core/rod_elasticity.h"
 #include "validation/experiments.h"
 #include "validation/specimen.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/joint_law.h"
+#include "core/rod_elasticity.h"
 
 namespace strandcast {
 namespace {

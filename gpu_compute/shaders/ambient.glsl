@@ -1,4 +1,4 @@
-// Ambient wind, which blows beyond the wind grid or, without a grid, everywhere (air/ambient.h), and sources of wind
+// Ambient wind, which blows beyond the wind grid or, without a grid, everywhere (air/wind.h), and sources of wind
 // (air/wind_source.h). Requires air_settings.glsl.
 layout(std430, binding = 13) readonly buffer Turbulence { float turbulence[]; };  // 3 floats per node of the periodic box
 struct Source {

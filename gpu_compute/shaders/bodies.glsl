@@ -1,12 +1,9 @@
 // Contact with the bodies of a step. The CPU's counterparts are core/near_bodies.inl and core/strand_sweep.inl.
-// Requires step_input.glsl, offsets[] and what gl/shaders/body_surface.glsl requires.
+// Requires step_input.glsl, offsets[] and what core/body_surface.glsl requires.
 // SHAPE_KINDS: 0: spheres, capsules, tapered capsules and planes.
 //              1: also ellipsoids, boxes, convex bodies and distance fields.
 //              2: also fields that bend.
-#if SHAPE_KINDS > 1
-#include "kernels/surface_bend.h"
-#endif
-#include "gl/shaders/body_surface.glsl"
+#include "core/body_surface.glsl"
 
 // Range [x, y) of arguments of nearBody() for the bodies that a strand may touch.
 uvec2 nearRange(uint strand) {

@@ -25,7 +25,6 @@ layout(local_size_x = WORKGROUP) in;
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/root_cover.glsl"
 #if GROOMED
-#include "kernels/grooming.h"
 #include "gpu_compute/shaders/grooming.glsl"
 #endif
 

@@ -1,4 +1,4 @@
-// Grooming factors, which multiply the settings of all hair, and tethers (kernels/grooming.h). Requires step_input.glsl.
+// Grooming factors, which multiply the settings of all hair, and tethers (kernels/strand.h). Requires step_input.glsl.
 // GROOMED: 1: factors of friction and damping time are constant along each strand.
 //          2: they may differ along strands.
 
@@ -8,7 +8,7 @@
 layout(std430, binding = 13) readonly buffer Grooming { vec4 grooming[]; };
 
 float airDragOf(uint vertex) { return settings.air_drag * grooming[vertex].x; }
-// DragStep::keep and DragStep::time2 (core/drag_step.h) with the vertex's air drag.
+// DragStep::keep and DragStep::time2 (core/backend.h) with the vertex's air drag.
 float keepOf(uint vertex) { return exp(-airDragOf(vertex) * settings.substep); }
 float time2Of(uint vertex) {
   const float x = airDragOf(vertex) * settings.substep;

@@ -1,7 +1,7 @@
 #version 450
 // variants: SHAPE_KINDS=0 | SHAPE_KINDS=1 | SHAPE_KINDS=2
 // Penetration resolution at the end of a substep: rotates edges whose outer ends exact lengths have put into a body
-// until the ends are out of it. The CPU's counterpart is RodStep::resolvePenetration in core/resolve_penetration.inl.
+// until the ends are out of it. The CPU's counterpart is RodStep::resolvePenetration in core/rod_contact.inl.
 // Reads: the list of possibly penetrating strands in work[] (mayPenetrate() of rod_contact.glsl), contact cache, bodies.
 // Writes: positions and velocities of displaced vertices, the contact cache, guides in the last substep.
 // One workgroup per strand, one invocation per vertex. All vertices query contacts at once. Then the first penetrating

@@ -55,16 +55,13 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "kernels/rod.h"
-#if STRAIGHT
-#include "kernels/straight_joint.h"
-#endif
 #if STIFF
 #include "kernels/stiff_tensions.h"
 #endif
 #include "gpu_compute/shaders/step_input.glsl"
 #include "gpu_compute/shaders/strand_offsets.glsl"
 #if GROOMED
-#include "kernels/grooming.h"
+#include "kernels/strand.h"
 #include "gpu_compute/shaders/grooming.glsl"
 #endif
 #include "gpu_compute/shaders/strand_threads.glsl"

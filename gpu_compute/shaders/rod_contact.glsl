@@ -105,7 +105,7 @@ void collide(int substep) {
   }
 }
 
-// Contact through the bending matrix, by active sets: core/held_contact.inl, with the same names. `moved`: displacements by
+// Contact through the bending matrix, by active sets: core/rod_contact.inl, with the same names. `moved`: displacements by
 // forces, m. Returns whether bodies press the strand or pressed it when the substep began.
 bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
   requeryIfMoved(substep);

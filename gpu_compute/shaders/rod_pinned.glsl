@@ -1,4 +1,4 @@
-// Part of rod.comp: lengths between pins (PINNED). The CPU's counterpart is core/pinned_lengths.inl.
+// Part of rod.comp: lengths between pins (PINNED). The CPU's counterpart is core/rod_sweep.inl.
 
 // Greatest tautness() of the strand's stretches between two pins, with the pins at the end of the step; 1 if there is none.
 // Each pin is paired with the pin before it.

@@ -1,5 +1,5 @@
 // Part of rod.comp: bending and twist of strands that are straight at rest, without material frames (STRAIGHT). The result
-// is that of rod_twist.glsl with twist in equilibrium. Requires kernels/straight_joint.h.
+// is that of rod_twist.glsl with twist in equilibrium. Requires kernels/rod.h.
 
 // The tangent of the edge before slot p.
 vec3 tangentBefore(int p) { return p > 0 ? tangent[max(p - 1, 0)] : tangent_in; }

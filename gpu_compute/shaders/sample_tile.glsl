@@ -1,5 +1,5 @@
 // The samples of a workgroup (gpu_compute/sample_tiles.h), which represent the pieces of strands on the grid
-// (air/strand_samples.h). Vertices are stored along strands; samples are stored so that neighbours in space are adjacent,
+// (air/hair_layout.h). Vertices are stored along strands; samples are stored so that neighbours in space are adjacent,
 // often the same piece of the next strand. Requires air_settings.glsl.
 #define TILE_SAMPLES 320  // kTileSamples
 layout(local_size_x = TILE_SAMPLES) in;

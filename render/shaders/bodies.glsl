@@ -2,7 +2,6 @@
 // growth.bodies and kernels/rotation.h.
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
-#include "kernels/surface_bend.h"
 struct Body {
   vec4 a_begin_radius;
   vec3 a;
@@ -21,7 +20,7 @@ layout(std430, binding = 6) readonly buffer Bodies { Body body_list[]; };
 layout(std430, binding = 7) readonly buffer BodyWords { uint shape_words[]; };
 
 #define SHAPE_KINDS 2
-#include "gl/shaders/body_surface.glsl"
+#include "core/body_surface.glsl"
 
 // Signed distance to the nearest body, m, negative inside, and its surface normal.
 float bodyDistance(vec3 x, out vec3 normal) {

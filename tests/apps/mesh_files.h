@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 
 namespace strandcast {
 

@@ -25,7 +25,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"simd", {"core", "kernels"}},
     {"air", {"core", "kernels"}},
     {"gpu_compute", {"core", "kernels", "gl", "air"}},
-    {"collision", {"core", "kernels"}},
+    {"collision", {"core", "kernels", "io"}},
     {"io", {"core", "kernels"}},
     {"groom", {"core", "kernels", "io"}},
     {"scenes", {"core", "kernels", "collision", "io", "groom"}},
@@ -215,7 +215,7 @@ std::vector<std::string> differences(const std::string& text) {
 TEST(Sources, UseNothingThatDevicesAndLibrariesDoDifferently) {
   const fs::path root = STRANDCAST_SOURCE_DIR;
   size_t files = 0;
-  for (const char* folder : {"gl", "gpu_compute", "render", "transport", "apps/viewer"})
+  for (const char* folder : {"core", "gl", "gpu_compute", "render", "transport", "apps/viewer"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       if (!entry.is_regular_file() || !isSource(entry.path())) continue;
       std::ifstream file(entry.path());

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 
 namespace strandcast::shapes {
 

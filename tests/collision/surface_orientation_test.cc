@@ -1,12 +1,11 @@
-#include "collision/surface_orientation.h"
+#include "collision/mesh_repair.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "collision/body_distance.h"
 #include "collision/field_bake.h"
-#include "collision/mesh_check.h"
-#include "collision/outer_surface.h"
 #include "tests/collision/shapes.h"
 #include "tests/error_of.h"
 

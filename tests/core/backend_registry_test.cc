@@ -1,4 +1,4 @@
-#include "core/backend_registry.h"
+#include "core/backend.h"
 
 #include <gtest/gtest.h>
 

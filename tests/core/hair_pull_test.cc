@@ -1,11 +1,10 @@
-#include "core/hair_pull.h"
+#include "core/simulation.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "core/error.h"
-#include "core/simulation.h"
 
 namespace strandcast {
 namespace {

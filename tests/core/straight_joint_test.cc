@@ -1,4 +1,4 @@
-// Compares kernels/straight_joint.h, in world vectors, with the joint law of kernels/rod.h in material
+// Compares kernels/rod.h, in world vectors, with the joint law of kernels/rod.h in material
 // frames.
 #include <gtest/gtest.h>
 

@@ -1,8 +1,7 @@
-#include "core/strand_reach.h"
+#include "core/broad_phase.h"
 
 #include <gtest/gtest.h>
 
-#include "core/broad_phase.h"
 #include "tests/conformance/conformance_model.h"
 
 namespace strandcast {

@@ -4,8 +4,8 @@
 
 #include <thread>
 
+#include "core/broad_phase.h"
 #include "core/error.h"
-#include "core/strand_order.h"
 #include "tests/conformance/conformance_model.h"
 #ifdef STRANDCAST_TEST_GL
 #include <cstdlib>

@@ -8,8 +8,8 @@
 #include <random>
 
 #include "core/strand_model.h"
-#include "groom/clean.h"
-#include "groom/load_groom.h"
+#include "groom/groom.h"
+#include "groom/groom_operations.h"
 #include "io/axes_and_units.h"
 #include "io/file_bytes.h"
 #include "tests/io/expect_error.h"

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "core/strand_model.h"
-#include "groom/clean.h"
-#include "groom/load_groom.h"
+#include "groom/groom.h"
+#include "groom/groom_operations.h"
 #include "io/mesh_file.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/real_data.h"

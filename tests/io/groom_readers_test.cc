@@ -7,7 +7,7 @@
 #include <fstream>
 #include <limits>
 
-#include "groom/load_groom.h"
+#include "groom/groom.h"
 #include "io/file_bytes.h"
 #include "io/groom_file.h"
 #include "tests/io/expect_error.h"

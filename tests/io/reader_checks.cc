@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "core/strand_model.h"
-#include "groom/clean.h"
+#include "groom/groom_operations.h"
 #include "io/axes_and_units.h"
 #include "io/distance_field_file.h"
 #include "io/file_bytes.h"

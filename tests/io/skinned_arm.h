@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/triangle_mesh.h"
+#include "core/geometry.h"
 
 namespace strandcast::samples {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "groom/load_groom.h"
+#include "groom/groom.h"
 #include "io/file_bytes.h"
 #include "io/groom_file.h"
 #include "tests/io/expect_error.h"

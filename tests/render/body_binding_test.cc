@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "collision/field_bake.h"
+#include "collision/skin_parts.h"
 #include "render/hair_bodies.h"
-#include "scenes/skin_parts.h"
 #include "tests/collision/shapes.h"
 #include "tests/io/skinned_arm.h"
 

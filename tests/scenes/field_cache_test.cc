@@ -1,4 +1,4 @@
-#include "scenes/field_cache.h"
+#include "collision/field_cache.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Refinement of a coarse skin into triangles over which weights change little.
-#include "scenes/fine_skin.h"
+#include "collision/skin_parts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "scenes/part_materials.h"
+#include "scenes/part_rules.h"
 
 #include <gtest/gtest.h>
 

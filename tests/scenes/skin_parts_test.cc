@@ -1,5 +1,5 @@
 // Accuracy with which parts follow a blended skin.
-#include "scenes/skin_parts.h"
+#include "collision/skin_parts.h"
 
 #include <gtest/gtest.h>
 
@@ -69,7 +69,7 @@ Apart apart(const Blended& blended, const std::vector<SkinPart>& parts) {
   for (size_t n = 0; n < places.size(); ++n) {
     float nearest = 1e9f;
     for (size_t i = 0; i < parts.size(); ++i) {
-      // Outside a part's box the bend at the border of the box applies (kernels/surface_bend.h).
+      // Outside a part's box the bend at the border of the box applies (kernels/distance_field.h).
       const Vec3 p = blended.poses[i].inverse().apply(places[n]),
                  within = p.cwiseMax(Vec3(boxes[i].min())).cwiseMin(Vec3(boxes[i].max())),
                  place = p + blended.bends[i].shift(within);

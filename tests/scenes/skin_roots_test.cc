@@ -1,5 +1,5 @@
 // Roots of hair on a blended skin: position, rotation, and roots that are not on it.
-#include "scenes/skin_roots.h"
+#include "collision/skin_roots.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "core/content_hash.h"
+#include "core/hash.h"
 #include "golden_hair.h"
 #include "moving_hair.h"
 #include "payload_fuzz.h"

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "core/content_hash.h"
 #include "core/error.h"
+#include "core/hash.h"
 #include "moving_hair.h"
 #include "tests/io/scratch_folder.h"
 #include "transport/message_bytes.h"

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "core/error.h"
-#include "core/named_entry.h"
+#include "core/name_lookup.h"
 
 namespace strandcast {
 namespace {

@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/content_hash.h"
 #include "core/error.h"
+#include "core/hash.h"
 #include "transport/message_bytes.h"
 
 namespace strandcast {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/content_hash.h"
 #include "core/error.h"
+#include "core/hash.h"
 #include "transport/message_bytes.h"
 
 namespace strandcast {

@@ -7,8 +7,6 @@ layout(local_size_x = 64) in;
 #include "kernels/strand.h"
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
-#include "kernels/surface_bend.h"
-#include "kernels/grooming.h"
 #include "kernels/grid.h"
 #include "tests/conformance/shaders/kernel_cases.h"
 
