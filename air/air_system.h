@@ -52,7 +52,7 @@ class AirSystem : public ExternalForces, public AirFields {
 inline AirSystem* airSystem(ExternalForces* forces) { return forces ? forces->airSystem() : nullptr; }
 
 /// Factory functions of a backend for air and for forces between hairs.
-struct AirMaker {
+struct AirFactory {
   /// Makes the air system: wind grid and hair grid (docs/air.md). Throws Error for a source out of range.
   std::function<std::unique_ptr<AirSystem>(std::vector<WindSource>)> make;
   /// Makes a wind grid alone. `cell`: m.
@@ -61,6 +61,6 @@ struct AirMaker {
 
 /// Makers of the CPU backends: "reference" (float, scalar, one thread), "oracle" (the same in double) or
 /// "simd" (vectors, `threads` threads, 0 = all). Throws Error on another name.
-AirMaker cpuAir(const std::string& backend, int threads = 0);
+AirFactory cpuAir(const std::string& backend, int threads = 0);
 
 }  // namespace strandcast

@@ -41,10 +41,10 @@ class CpuAirSystem final : public AirSystem {
                                                 Wind::Border::kOpen);
     if (hair) hair_ = std::move(hair);
     if (p.volume_stiffness == 0) hair_->reset();
-    const bool wind_begins = wind != nullptr || (p.wind_grid > 0 && !blows_);
+    const bool wind_begins = wind != nullptr || (p.wind_grid > 0 && !has_wind_grid_);
     if (wind) {
       wind_ = std::move(wind);
-      wind_->takeSources(sources_);
+      wind_->setSources(sources_);
     }
     if (wind_) wind_->ambient().configure(p);
     if (wind_begins) {
@@ -57,8 +57,8 @@ class CpuAirSystem final : public AirSystem {
       free_wind_->configure(p);
     }
     if (wind_ && p.air_drag_along < 1) {
-      hair_->expectSlip();
-      wind_->expectSlip();
+      hair_->reserveSlip();
+      wind_->reserveSlip();
     }
     rate_ = p.air_drag;
     rates_.clear();
@@ -67,7 +67,7 @@ class CpuAirSystem final : public AirSystem {
   }
 
   void reset(const Vec3& origin) override {
-    takeOrigin(origin);
+    setOrigin(origin);
     progress_ = {};
     if (wind_) {
       wind_->ambient().setProgress(progress_);
@@ -79,7 +79,7 @@ class CpuAirSystem final : public AirSystem {
 
   void moveOrigin(const Vec3& origin) override {
     const Vec3 way = origin - origin_;
-    takeOrigin(origin);
+    setOrigin(origin);
     Ambient& ambient = wind_ ? wind_->ambient() : *free_wind_;
     ambient.setProgress(progress_);
     ambient.moveOrigin(way);
@@ -108,14 +108,14 @@ class CpuAirSystem final : public AirSystem {
     forces_ = p.volume_stiffness > 0 || p.hair_friction > 0;
     const bool drags = p.wind_grid > 0 && p.air_drag > 0 && p.hairs_per_strand > 0;
     splatted_ = forces_ || drags;
-    blows_ = p.wind_grid > 0;
+    has_wind_grid_ = p.wind_grid > 0;
     if (splatted_) hair_->splat();
-    if (forces_) hair_->findForces(p, dt);
-    Ambient& blown = blows_ ? wind_->ambient() : *free_wind_;
+    if (forces_) hair_->computeForces(p, dt);
+    Ambient& blown = has_wind_grid_ ? wind_->ambient() : *free_wind_;
     blown.setProgress(progress_);
     blown.advance(dt);
     progress_ = blown.progress();
-    if (blows_) {
+    if (has_wind_grid_) {
       wind_->centreAt(head.apply(Vec3(box_.center())));
       wind_->clearSolids();
       wind_->addSolids(input.primitives, input.shapes ? input.shapes->words : std::span<const uint32_t>(),
@@ -151,32 +151,32 @@ class CpuAirSystem final : public AirSystem {
   std::span<const Vec3> accelerations() override { return accelerations_; }
 
   bool hasDensity() const override { return splatted_; }
-  bool hasWind() const override { return blows_; }
-  float cell() const override { return blows_ ? wind_->cell() : hair_->cell(); }
+  bool hasWind() const override { return has_wind_grid_; }
+  float cell() const override { return has_wind_grid_ ? wind_->cell() : hair_->cell(); }
   Box box() const override { return ownBox().translated(origin_); }
   AirSample at(const Vec3& point) const override { return atOwn(point - origin_); }
 
  private:
   // Positions in private members are relative to origin_, as those of the strands.
-  void takeOrigin(const Vec3& origin) {
+  void setOrigin(const Vec3& origin) {
     origin_ = origin;
     placeSources();
   }
   void placeSources() {
     sources_ = movedBy(world_sources_, -origin_);
-    if (wind_) wind_->takeSources(sources_);
+    if (wind_) wind_->setSources(sources_);
   }
   Box ownBox() const {
     const Eigen::Vector3f half =
         Eigen::Vector3f::Constant(0.5f * cell() * static_cast<float>(hair_->shape().cells));
-    if (blows_) return {wind_->origin(), Eigen::Vector3f(wind_->origin()) + 2 * half};
+    if (has_wind_grid_) return {wind_->origin(), Eigen::Vector3f(wind_->origin()) + 2 * half};
     const Eigen::Vector3f middle = head_.apply(Vec3(box_.center()));
     return {middle - half, middle + half};
   }
   AirSample atOwn(const Vec3& point) const {
     AirSample out;
     if (splatted_) out.density = hair_->densityAtPoint(point);
-    if (!blows_) return out;
+    if (!has_wind_grid_) return out;
     out.wind = wind_->velocityAt(point);
     int cell[3];
     for (int c = 0; c < 3; ++c) {
@@ -211,9 +211,9 @@ class CpuAirSystem final : public AirSystem {
       for (uint32_t n = first; n < until; ++n) {
         const StrandSample& sample = samples.samples[n];
         Vec3 pushed = Vec3::Zero(), air = p.wind;
-        if (forces_) pushed = take(changes + 4 * (n - first)) * per_second;
+        if (forces_) pushed = toVec3(changes + 4 * (n - first)) * per_second;
         if (on_grid)
-          air = take(winds + 4 * (n - first));
+          air = toVec3(winds + 4 * (n - first));
         else if (!uniform)
           air = freeWindAt(worldPlace(n));
         const Vec3 local = air - p.wind;
@@ -225,22 +225,22 @@ class CpuAirSystem final : public AirSystem {
           for (uint32_t i = 0; i < sample.count; ++i) out[i] += parts[i] * sum;
           continue;
         }
-        const Vec3 relative = air - take(hair_->velocity(n));
+        const Vec3 relative = air - toVec3(hair_->velocity(n));
         const Vec3 chord = positions[sample.vertex + sample.count - 1] - positions[sample.vertex];
         if (!std::isfinite(chord.sum())) continue;
         const real3 tangent = kernels::f32::directionOfPiece({chord.x(), chord.y(), chord.z()});
         for (uint32_t i = 0; i < sample.count; ++i) {
           const float rate = rates_.empty() ? rate_ : rates_[sample.vertex + i];
           Vec3 sum = pushed + local * rate;
-          if (less > 0) sum -= notFelt(relative, tangent, rate, less);
+          if (less > 0) sum -= slipDrag(relative, tangent, rate, less);
           out[i] += parts[i] * sum;
         }
       }
     }
   }
-  static Vec3 notFelt(const Vec3& relative, const real3& tangent, float rate, float less) {
+  static Vec3 slipDrag(const Vec3& relative, const real3& tangent, float rate, float less) {
     const real3 out =
-        kernels::f32::dragNotFelt({relative.x(), relative.y(), relative.z()}, tangent, rate, less);
+        kernels::f32::slipDragLoss({relative.x(), relative.y(), relative.z()}, tangent, rate, less);
     return {out.x, out.y, out.z};
   }
   /// Wind without a grid, m/s: the ambient wind plus the velocity of every source that reaches the point.
@@ -269,7 +269,7 @@ class CpuAirSystem final : public AirSystem {
     }
     passes_.sample(wind_->shape(), wind_->centres(), places, kStride, last - first, out);
   }
-  static Vec3 take(const Scalar* v) {
+  static Vec3 toVec3(const Scalar* v) {
     return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
   }
 
@@ -285,8 +285,8 @@ class CpuAirSystem final : public AirSystem {
   std::optional<Ambient> free_wind_;  ///< ambient wind without a grid
   float rate_ = 0;            ///< 1/s, air_drag: rate at which hair approaches the velocity of the air
   std::vector<float> rates_;  ///< the same per vertex; empty where all are equal
-  bool forces_ = false, splatted_ = false, blows_ = false;  ///< of the newest step
-  Pose head_;                                               ///< at the start of the newest step
+  bool forces_ = false, splatted_ = false, has_wind_grid_ = false;  ///< of the newest step
+  Pose head_;                                                       ///< at the start of the newest step
   HeadExtrapolation head_extrapolation_;
   double seconds_ = 0;  ///< length of the newest step
   Ambient::Progress progress_;
@@ -305,7 +305,7 @@ struct FreeWind final : OwnWorkers, WindGrid<Scalar> {
 
 }  // namespace
 
-AirMaker cpuAir(const std::string& backend, int threads) {
+AirFactory cpuAir(const std::string& backend, int threads) {
   auto checked = [](std::vector<WindSource>& sources) {
     for (const WindSource& source : sources) checkWindSource(source, "wind source");
     return std::move(sources);

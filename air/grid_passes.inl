@@ -423,7 +423,7 @@ inline mask isInGrid(const GridShape& s, const real3& at) {
   return at.x >= low && at.x <= high && at.y >= low && at.y <= high && at.z >= low && at.z <= high;
 }
 
-constexpr double kSane = 1e4;             // m/s; a faster strand has diverged
+constexpr double kMaxSampleSpeed = 1e4;   // m/s; a faster strand has diverged
 constexpr size_t kSamplesTogether = 128;  // fit the L1 cache between the two loops
 // Extrapolated positions (m, 4 numbers each, into `places`) and velocities (into v.motion) of samples.
 inline void locate(const SplatView<Scalar>& v, size_t begin, size_t end, Scalar* places) {
@@ -457,7 +457,7 @@ inline SplatReach<Scalar> placePass(const SplatView<Scalar>& v, size_t begin, si
       loadFours(v.motion + 4 * n, u);
       const real a = abs(u[0]), b = abs(u[1]), c = abs(u[2]);
       // A sample of a strand that diverged is left out: its position is set outside the grid.
-      const mask sane = a < lit(kSane) && b < lit(kSane) && c < lit(kSane);
+      const mask sane = a < lit(kMaxSampleSpeed) && b < lit(kMaxSampleSpeed) && c < lit(kMaxSampleSpeed);
       for (int r = 0; r < 3; ++r) {
         const Scalar* f = v.frame + 3 * r;
         const real there = madd(x[0], lit(f[0]), madd(x[1], lit(f[1]), madd(x[2], lit(f[2]), lit(v.frame[9 + r]))));
@@ -535,7 +535,7 @@ inline void crowdPass(const SplatView<Scalar>& v, size_t begin, size_t end, cons
   eachInGrid(v, begin, end, [&](size_t n, const Corners& corners, const mask& in) {
     const real density = sampledNumber(v.shape, crowd.density, corners);
     const real rest = loadAt(crowd.rest + n) * lit(crowd.rest_scale);
-    const real stiffness = lit(crowd.stiffness), most = loadAt(crowd.largest + n) * stiffness * lit(kMostHeld);
+    const real stiffness = lit(crowd.stiffness), most = loadAt(crowd.largest + n) * stiffness * lit(kMaxHeldCrowding);
     const real held = heldCrowding(loadAt(crowd.held + n), density, rest, stiffness, lit(crowd.gain), most);
     storeAt(held, crowd.held + n);
     const real number = loadAt(v.masses + n) * (crowding(density, rest, stiffness) + held) * lit(crowd.scale);

@@ -11,8 +11,8 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kMostSumBytes = size_t{1} << 28;  // limit of all chunks' sums together
-constexpr int kMostChunks = 16;
+constexpr size_t kMaxSumBytes = size_t{1} << 28;  // limit of all chunks' sums together
+constexpr int kMaxSampleChunks = 16;
 
 NodeBox grown(const NodeBox& box) {
   return box.isEmpty() ? box
@@ -42,7 +42,7 @@ HairGrid<Scalar>::HairGrid(const GridPasses<Scalar>& passes, const Workers& work
   samples_ = strandSamples(model, layout_.cell);
   for (const StrandSample& sample : samples_.samples) mass_ += sample.mass;
   const size_t bytes = 5 * sizeof(int32_t) * shape_.size();
-  chunks_ = std::clamp<size_t>(kMostSumBytes / bytes, 1, std::min(workers.threads(), kMostChunks));
+  chunks_ = std::clamp<size_t>(kMaxSumBytes / bytes, 1, std::min(workers.threads(), kMaxSampleChunks));
   sums_.resize(chunks_);
   number_sums_.resize(chunks_);
   for (auto& sum : sums_) sum.resize(4 * shape_.size());
@@ -68,11 +68,11 @@ HairGrid<Scalar>::HairGrid(const GridPasses<Scalar>& passes, const Workers& work
     array->assign(shape_.size(), Scalar(0));
   for (GridArray<Scalar>* array : {&rest_density_, &held_, &largest_crowding_})
     array->assign(padded, Scalar(0));
-  measureRest(model);
+  computeRestDensity(model);
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::measureRest(const StrandModel& model) {
+void HairGrid<Scalar>::computeRestDensity(const StrandModel& model) {
   std::vector<Vec3> positions(model.vertices()), velocities(model.vertices(), Vec3::Zero());
   for (size_t s = 0; s < model.strands(); ++s)
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v)
@@ -84,7 +84,7 @@ void HairGrid<Scalar>::measureRest(const StrandModel& model) {
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::boundCrowding(float volume_target) {
+void HairGrid<Scalar>::computeCrowdingBounds(float volume_target) {
   const double alone = kDensityAlone / std::pow(static_cast<double>(layout_.cell), 3);
   bound_target_ = volume_target;
   crowding_bound_ = 0;
@@ -93,16 +93,16 @@ void HairGrid<Scalar>::boundCrowding(float volume_target) {
     const double rest = static_cast<double>(rest_density_[n]) / static_cast<double>(volume_target);
     const double most = kernels::f64::largestCrowding(rest, alone * mass);
     largest_crowding_[n] = static_cast<Scalar>(most);
-    crowding_bound_ += mass * most * (1 + kMostHeld);
+    crowding_bound_ += mass * most * (1 + kMaxHeldCrowding);
   }
 }
 
 // Crowding is evaluated per sample, so it is exactly 0 where hair has its rest density. A node gets the mean
 // of its samples.
 template <class Scalar>
-void HairGrid<Scalar>::findCrowding(const Parameters& p, double stiffness, double seconds,
-                                    const NodeBox& box) {
-  if (bound_target_ != p.volume_target) boundCrowding(p.volume_target);
+void HairGrid<Scalar>::computeCrowding(const Parameters& p, double stiffness, double seconds,
+                                       const NodeBox& box) {
+  if (bound_target_ != p.volume_target) computeCrowdingBounds(p.volume_target);
   const double scale = kWhole / (stiffness * crowding_bound_);
   const CrowdView<Scalar> crowd{
       density_.data() + origin_,
@@ -179,7 +179,7 @@ void HairGrid<Scalar>::splat() {
   filled_ = box;
   view.mass_scale = static_cast<Scalar>(kWhole / mass_);
   view.momentum_scale = static_cast<Scalar>(kWhole / (mass_ * fastest));
-  sumUp(view, changed, nodes_);
+  splatNodes(view, changed, nodes_);
 }
 
 template <class Scalar>
@@ -187,12 +187,12 @@ void HairGrid<Scalar>::splatDrag() {
   if (drag_shares_.of_samples.empty()) return;
   SplatView<Scalar> view = view_;
   view.masses = drag_masses_.data();
-  sumUp(view, drag_filled_.merged(filled_), drag_nodes_);
+  splatNodes(view, drag_filled_.merged(filled_), drag_nodes_);
   drag_filled_ = filled_;
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::expectSlip() {
+void HairGrid<Scalar>::reserveSlip() {
   for (GridArray<Scalar>& numbers : slip_of_samples_) numbers.resize(motion_.size());
   for (GridArray<Scalar>& nodes : slip_nodes_) nodes.resize(4 * shape_.size());
 }
@@ -219,12 +219,13 @@ void HairGrid<Scalar>::splatSlip(std::span<const Vec3> positions) {
   for (size_t part = 0; part < 2; ++part) {
     view.motion = slip_of_samples_[part].data();
     if (part == 1) view.momentum_scale = view.mass_scale;
-    sumUp(view, changed, slip_nodes_[part]);
+    splatNodes(view, changed, slip_nodes_[part]);
   }
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::sumUp(const SplatView<Scalar>& view, const NodeBox& box, GridArray<Scalar>& nodes) {
+void HairGrid<Scalar>::splatNodes(const SplatView<Scalar>& view, const NodeBox& box,
+                                  GridArray<Scalar>& nodes) {
   workers_.forEach(static_cast<int>(chunks_), [&](int c) {
     clear(shape_, 4, box, sums_[c].data());
     passes_.splat(view, firstOf(c), firstOf(c + 1), sums_[c].data() + 4 * origin_);
@@ -277,11 +278,11 @@ template <class Scalar>
 NodeBox HairGrid<Scalar>::blurBox(bool crowds, bool rubs) {
   NodeBox box = grown(blurred_.merged(filled_));
   // Fields that were not blurred for some steps hold values at former positions of the hair: blur everywhere.
-  if (crowds != crowded_before_ || rubs != rubbed_before_)
+  if (crowds != had_crowding_ || rubs != had_friction_)
     box = NodeBox(Eigen::Vector3i::Zero(), Eigen::Vector3i::Constant(shape_.cells - 1));
   blurred_ = filled_;
-  crowded_before_ = crowds;
-  rubbed_before_ = rubs;
+  had_crowding_ = crowds;
+  had_friction_ = rubs;
   return box;
 }
 
@@ -311,7 +312,7 @@ void HairGrid<Scalar>::blurDensity(const NodeBox& box) {
 }
 
 template <class Scalar>
-void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
+void HairGrid<Scalar>::computeForces(const Parameters& p, double seconds) {
   const bool crowds = p.volume_stiffness > 0, rubs = p.hair_friction > 0;
   const NodeBox box = blurBox(crowds, rubs);
   blurDensity(box);
@@ -330,7 +331,7 @@ void HairGrid<Scalar>::findForces(const Parameters& p, double seconds) {
     view.part = static_cast<Scalar>(1 - std::exp(-static_cast<double>(p.hair_friction) * seconds));
   }
   if (crowds) {
-    findCrowding(p, stiffness, seconds, box);
+    computeCrowding(p, stiffness, seconds, box);
     blur(1, box, crowded_);
     view.crowding = crowding_.data() + origin_;
     view.crowded = crowded_.data() + origin_;

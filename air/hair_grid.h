@@ -37,7 +37,7 @@ class HairGrid {
   /// After splat(): splats again with masses weighted by drag shares, for dragNodes().
   void splatDrag();
   /// Allocates memory for splatSlip(), which does not allocate.
-  void expectSlip();
+  void reserveSlip();
   /// After splat(): splats directions of hair weighted by drag shares, for slipNodes(). `positions`: those of
   /// locate().
   void splatSlip(std::span<const Vec3> positions);
@@ -46,9 +46,9 @@ class HairGrid {
   /// Origin rebasing: points of densityAtPoint() are from an origin moved by `way` (m).
   void moveOrigin(const Vec3& way);
   /// From the splat: computes the velocity changes of nodes over a step of `seconds`.
-  void findForces(const Parameters& parameters, double seconds);
+  void computeForces(const Parameters& parameters, double seconds);
   /// Interpolates the velocity changes of samples begin .. end - 1, m/s, 4 numbers each. Precondition:
-  /// findForces().
+  /// computeForces().
   void changes(size_t begin, size_t end, Scalar* out) const;
 
   /// PlacePlane `plane` of all samples; 16 spare numbers.
@@ -85,12 +85,12 @@ class HairGrid {
   void blurDensity(const NodeBox& box);
   /// Region of a blur: one node around all nodes with hair, now and at the last blur.
   NodeBox blurBox(bool crowds, bool rubs);
-  void measureRest(const StrandModel& model);
+  void computeRestDensity(const StrandModel& model);
   /// Splats into nodes of 4 numbers. `box`: nodes that are not empty now, or were not before.
-  void sumUp(const SplatView<Scalar>& view, const NodeBox& box, GridArray<Scalar>& nodes);
+  void splatNodes(const SplatView<Scalar>& view, const NodeBox& box, GridArray<Scalar>& nodes);
   /// Computes bounds of crowding and held crowding, which fix the fixed-point scale.
-  void boundCrowding(float volume_target);
-  void findCrowding(const Parameters& parameters, double stiffness, double seconds, const NodeBox& box);
+  void computeCrowdingBounds(float volume_target);
+  void computeCrowding(const Parameters& parameters, double stiffness, double seconds, const NodeBox& box);
   size_t firstOf(size_t chunk) const {
     return chunk == chunks_ ? samples_.samples.size() : samples_.samples.size() * chunk / chunks_ / 16 * 16;
   }
@@ -113,8 +113,8 @@ class HairGrid {
   NodeBox drag_filled_;                    ///< outside it drag_nodes_ are 0
   NodeBox slip_filled_;                    ///< outside it slip_nodes_ are 0
   NodeBox blurred_;  ///< filled_ at the last blur; outside it, grown by one node, blurred fields are 0
-  bool crowded_before_ = false, rubbed_before_ = false;  ///< settings of the last blur
-  float bound_target_ = 0;                               ///< volume_target that crowding_bound_ is for
+  bool had_crowding_ = false, had_friction_ = false;  ///< settings of the last blur
+  float bound_target_ = 0;                            ///< volume_target that crowding_bound_ is for
   double crowding_bound_ = 0;  ///< sum over samples of mass x largest crowding, at a stiffness of 1
   GridArray<Scalar> places_, motion_, masses_, drag_masses_, drag_nodes_, slip_of_samples_[2], slip_nodes_[2],
       rest_density_, held_, largest_crowding_, nodes_, density_, spread_, crowding_, crowded_, scratch_,

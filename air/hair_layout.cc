@@ -21,7 +21,8 @@ double HairLayout::largestStiffness(double seconds) const {
 
 Pose HeadExtrapolation::ahead(const Pose& begin, const Pose& end) {
   if (std::exchange(
-          retold_, false)) {  // `begin` was rounded to the new origin; the shift alone would not reproduce it
+          is_rebased_,
+          false)) {  // `begin` was rounded to the new origin; the shift alone would not reproduce it
     begin_.position += begin.position - end_.position;
     end_.position = begin.position;
   }
@@ -47,7 +48,7 @@ namespace {
 // Greatest length of a piece of several edges, in cells; the blur is wider. With 2.25 rounding errors excite
 // a head of hair at rest: 0.6 mm in a second.
 constexpr float kLongest = 1.5f;
-constexpr uint32_t kMostParts = 16;
+constexpr uint32_t kMaxParts = 16;
 
 float edgeLength(const StrandModel& model, uint32_t edge) {
   return (model.rest_local[edge + 1] - model.rest_local[edge]).norm();
@@ -60,7 +61,7 @@ StrandPieces piecesOf(const StrandModel& model, size_t strand, float cell) {
     longest = std::max(longest, edgeLength(model, e));
   const float cells = longest / cell;
   const auto parts = static_cast<uint32_t>(std::max(1.0f, std::ceil(cells - 0.25f)));
-  out.parts = static_cast<uint16_t>(std::min(parts, kMostParts));
+  out.parts = static_cast<uint16_t>(std::min(parts, kMaxParts));
   uint32_t pieces = out.edges * out.parts;
   if (out.parts == 1) {
     const auto together = static_cast<uint32_t>(

@@ -41,10 +41,10 @@ class HeadExtrapolation {
   /// The head was teleported: the last motion is discarded.
   void forget() { known_ = false; }
   /// Origin rebasing: the next `begin` is where the last step ended, in other coordinates.
-  void moveOrigin() { retold_ = true; }
+  void moveOrigin() { is_rebased_ = true; }
 
  private:
-  bool known_ = false, retold_ = false;
+  bool known_ = false, is_rebased_ = false;
   Pose begin_, end_;  ///< of the last step
 };
 
@@ -57,7 +57,7 @@ constexpr double kWhole = 1 << 30;  ///< fixed-point value of a node that holds 
 constexpr double kDensityNoise = 1e-4;
 /// A single sample makes at its own position a density of at least this x mass / cell^3: 0.375^3.
 constexpr double kDensityAlone = 0.05;
-constexpr double kMostHeld = 3;  ///< bound of the held crowding, in units of the largest crowding
+constexpr double kMaxHeldCrowding = 3;  ///< bound of the held crowding, in units of the largest crowding
 
 /// How a strand is cut into pieces: several whole edges per piece, distributed evenly, or each edge into
 /// equal parts.

@@ -71,7 +71,7 @@ void PressureSolver<Scalar>::pipelineLayers(const Level& level, const Stages&...
 }
 
 template <class Scalar>
-void PressureSolver<Scalar>::findDiagonal(Level& level) {
+void PressureSolver<Scalar>::computeDiagonal(Level& level) {
   const GridShape& s = level.view.shape;
   eachLayer(level, [&](int k) {
     for (int j = 0; j < s.cells; ++j)
@@ -86,7 +86,7 @@ void PressureSolver<Scalar>::findDiagonal(Level& level) {
 }
 
 template <class Scalar>
-void PressureSolver<Scalar>::findEvenRows(Level& level) {
+void PressureSolver<Scalar>::markUniformRows(Level& level) {
   const GridShape& s = level.view.shape;
   eachLayer(level, [&](int k) {
     for (int j = 0; j < s.cells; ++j) {
@@ -122,8 +122,8 @@ template <class Scalar>
 void PressureSolver<Scalar>::build() {
   for (size_t l = 0; l < levels_.size(); ++l) {
     if (l > 0) coarsen(levels_[l - 1], levels_[l]);
-    findDiagonal(levels_[l]);
-    findEvenRows(levels_[l]);
+    computeDiagonal(levels_[l]);
+    markUniformRows(levels_[l]);
   }
 }
 
@@ -162,7 +162,7 @@ void PressureSolver<Scalar>::cycle(size_t at, const Scalar* right) {
 
 template <class Scalar>
 PressureReport PressureSolver<Scalar>::solve(const Scalar* right, Scalar* pressure, Scalar tolerance,
-                                             int most_iterations) {
+                                             int max_iterations) {
   Level& top = levels_[0];
   const GridShape& s = top.view.shape;
   Scalar *step = step_.data() + top.origin, *image = image_.data() + top.origin,
@@ -177,7 +177,7 @@ PressureReport PressureSolver<Scalar>::solve(const Scalar* right, Scalar* pressu
   PressureReport report;
   report.residual = static_cast<double>(most());
   double before = 0;
-  while (report.residual > static_cast<double>(tolerance) && report.iterations < most_iterations) {
+  while (report.residual > static_cast<double>(tolerance) && report.iterations < max_iterations) {
     cycle(0, r);
     eachLayer(top, [&](int k) { sums_[k] = passes_.dot(s, r, z, k); });
     const double now = total();

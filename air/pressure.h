@@ -25,7 +25,7 @@ class PressureSolver {
 
   /// Iterates from the given `pressure` (warm start) until the residual of every cell is at most `tolerance`
   /// (m/s). Arrays of the grid's shape, from index (0, 0, 0).
-  PressureReport solve(const Scalar* right, Scalar* pressure, Scalar tolerance, int most_iterations);
+  PressureReport solve(const Scalar* right, Scalar* pressure, Scalar tolerance, int max_iterations);
 
  private:
   struct Level {
@@ -33,8 +33,8 @@ class PressureSolver {
     GridArray<Scalar> open[3], diagonal, inverse_diagonal, even, x, smoothed, right, left;
     PressureView<Scalar> view;
   };
-  void findDiagonal(Level& level);
-  void findEvenRows(Level& level);
+  void computeDiagonal(Level& level);
+  void markUniformRows(Level& level);
   void coarsen(const Level& fine, Level& coarse);
   template <class Work>
   void eachLayer(const Level& level, const Work& work) const;

@@ -102,10 +102,10 @@ void Ambient::moveOrigin(const Vec3& way) {
 void Ambient::setProgress(const Progress& progress) {
   progress_ = progress;
   carried_ = (progress.carried * static_cast<double>(turbulence_length_)).cast<float>();
-  findMean();
+  computeMean();
 }
 
-void Ambient::findMean() {
+void Ambient::computeMean() {
   double sum = 0, square = 0;
   for (int n = 1; n <= kGusts; ++n) {
     const double amplitude = std::pow(n, -5.0 / 6);

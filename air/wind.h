@@ -57,7 +57,7 @@ class Ambient {
 
  private:
   void makeBox(uint64_t seed);
-  void findMean();
+  void computeMean();
 
   Vec3 wind_ = Vec3::Zero(), mean_ = Vec3::Zero(), carried_ = Vec3::Zero();
   float gust_ = 0, gust_period_ = 1, turbulence_ = 0, turbulence_length_ = 1;
@@ -129,7 +129,7 @@ class Wind {
 
   /// Replaces all wind sources. Spheres take effect with the next project(). With kClosed they have no
   /// effect: the air would have no outlet.
-  virtual void takeSources(std::span<const WindSource> sources) = 0;
+  virtual void setSources(std::span<const WindSource> sources) = 0;
 
   /// Stages of a step, in this order. `seconds`: length of the step; `viscosity`: m^2/s.
   virtual void advect(double seconds, bool mac_cormack) = 0;
@@ -154,13 +154,13 @@ class Wind {
 constexpr double kResidual = 2e-4;  ///< tolerance of the residual over the fastest component; a fifth of the
                                     ///< promised bound of the divergence
 constexpr double kStill = 1e-6;     ///< m/s, lower bound of the tolerance
-constexpr int kMostIterations = 100;
+constexpr int kMaxPressureIterations = 100;
 constexpr double kLargestPart =
     0.15;  ///< largest viscosity x time / cell^2 of an explicit step; stable below 1/6
 constexpr double kAirDensity = 1.2;  ///< kg/m^3
 /// At least this fraction of the outflow of a cell passes through one of its six faces. The tolerance uses it
 /// as an estimate of the velocity when spheres begin to drive still air.
-constexpr double kLeastOfFace = 1.0 / 6;
+constexpr double kMinFaceShare = 1.0 / 6;
 /// Whether a straight line along an axis leads from a cell to the border without a solid cell. `solid(i, j,
 /// k)`: whether a cell is solid. Sphere sources emit from such cells only: enclosed air has no outlet.
 template <class Solid>

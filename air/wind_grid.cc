@@ -70,7 +70,7 @@ void WindGrid<Scalar>::setComponents(const Component& value) {
       for (int j = 0; j < shape_.cells + (axis == 1); ++j)
         for (int i = 0; i < shape_.cells + (axis == 0); ++i)
           velocity_[axis][shape_.at(i, j, k)] = static_cast<Scalar>(value(axis, i, j, k));
-  findCentres();
+  computeCentres();
 }
 
 template <class Scalar>
@@ -83,7 +83,7 @@ template <class Scalar>
 void WindGrid<Scalar>::centreAt(const Vec3& middle) {
   const Eigen::Vector3i shift = box_.centreAt(middle);
   if (shift.isZero()) return;
-  wanted_found_ = false;
+  target_divergence_valid_ = false;
   auto carry = [&](GridArray<Scalar>& field, GridArray<Scalar>& to, int axis) {
     const int end[3] = {shape_.cells + (axis == 0), shape_.cells + (axis == 1), shape_.cells + (axis == 2)};
     workers_.forEach(end[2], [&](int k) {
@@ -105,7 +105,7 @@ void WindGrid<Scalar>::centreAt(const Vec3& middle) {
   };
   for (int axis = 0; axis < 3; ++axis) carry(velocity_[axis], next_[axis], axis);
   carry(pressure_, right_, 3);
-  findCentres();
+  computeCentres();
 }
 
 template <class Scalar>
@@ -177,19 +177,19 @@ void WindGrid<Scalar>::closeFaces() {
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::takeSources(std::span<const WindSource> sources) {
+void WindGrid<Scalar>::setSources(std::span<const WindSource> sources) {
   drivers_.clear();
   spheres_.clear();
   for (const WindSource& source : sources)
     (source.kind == WindSource::Kind::kSphere ? spheres_ : drivers_).push_back(onGrid(source, cell_));
-  wanted_found_ = false;
+  target_divergence_valid_ = false;
 }
 
 template <class Scalar>
 const Scalar* WindGrid<Scalar>::targetDivergence() {
   if (spheres_.empty() || border_ == Border::kClosed) return nullptr;
-  if (!wanted_found_) {
-    wanted_.assign(shape_.size(), Scalar(0));
+  if (!target_divergence_valid_) {
+    target_divergence_.assign(shape_.size(), Scalar(0));
     for (const WindSource& source : spheres_) {
       const SphereOnGrid sphere(source, origin(), cell_);
       const Eigen::Vector3i first = sphere.first(shape_.cells), last = sphere.last(shape_.cells);
@@ -197,30 +197,30 @@ const Scalar* WindGrid<Scalar>::targetDivergence() {
         const int k = first.z() + layer;
         for (int j = first.y(); j <= last.y(); ++j)
           for (int i = first.x(); i <= last.x(); ++i)
-            wanted_[shape_.at(i, j, k)] += static_cast<Scalar>(sphere.outflow(i, j, k));
+            target_divergence_[shape_.at(i, j, k)] += static_cast<Scalar>(sphere.outflow(i, j, k));
       });
     }
-    wanted_found_ = true;
+    target_divergence_valid_ = true;
   }
-  return wanted_.data() + shape_.at(0, 0, 0);
+  return target_divergence_.data() + shape_.at(0, 0, 0);
 }
 
 template <class Scalar>
 const Scalar* WindGrid<Scalar>::targetDivergenceAmongSolids() {
   const Scalar* all = targetDivergence();
   if (all == nullptr || solid_cells_.empty()) return all;
-  wanted_among_solids_.resize(shape_.size());
+  target_divergence_among_solids_.resize(shape_.size());
   workers_.forEach(shape_.cells, [&](int k) {
     for (int j = 0; j < shape_.cells; ++j)
       for (int i = 0; i < shape_.cells; ++i) {
         const size_t c = shape_.at(i, j, k);
-        const bool blows = wanted_[c] != 0 && seesBorder(shape_.cells, i, j, k, [&](int x, int y, int z) {
-                             return isSolid(x, y, z);
-                           });
-        wanted_among_solids_[c] = blows ? wanted_[c] : Scalar(0);
+        const bool blows =
+            target_divergence_[c] != 0 &&
+            seesBorder(shape_.cells, i, j, k, [&](int x, int y, int z) { return isSolid(x, y, z); });
+        target_divergence_among_solids_[c] = blows ? target_divergence_[c] : Scalar(0);
       }
   });
-  return wanted_among_solids_.data() + shape_.at(0, 0, 0);
+  return target_divergence_among_solids_.data() + shape_.at(0, 0, 0);
 }
 
 template <class Scalar>
@@ -245,7 +245,7 @@ void WindGrid<Scalar>::eachFace(const Work& work) const {
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::findCentres() {
+void WindGrid<Scalar>::computeCentres() {
   const WindView<Scalar> w = view();
   workers_.forEach(shape_.cells, [&](int k) { passes_.centre(w, k); });
 }
@@ -299,13 +299,13 @@ std::pair<int, int> WindGrid<Scalar>::cellsInHair(const HairDrag<Scalar>& hair, 
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::expectSlip() {
+void WindGrid<Scalar>::reserveSlip() {
   for (GridArray<Scalar>& array : slip_) array.resize(shape_.size());
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::findExchangeWithHair(double seconds, const HairDrag<Scalar>& hair, size_t from,
-                                            size_t count, const Scalar* places, Scalar* sampled) {
+void WindGrid<Scalar>::computeExchangeWithHair(double seconds, const HairDrag<Scalar>& hair, size_t from,
+                                               size_t count, const Scalar* places, Scalar* sampled) {
   const size_t stride = static_cast<size_t>(shape_.cells) + 16;
   const Scalar rate = static_cast<Scalar>(seconds) * hair.rate, slips = rate * hair.less;
   passes_.sample(*hair.shape, hair.nodes, places, stride, count, sampled);
@@ -327,9 +327,9 @@ void WindGrid<Scalar>::findExchangeWithHair(double seconds, const HairDrag<Scala
 }
 
 template <class Scalar>
-void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair,
-                                    const Scalar* target_divergence, int j, int k, Scalar* places,
-                                    Scalar* sampled) {
+void WindGrid<Scalar>::computeExchange(double seconds, const HairDrag<Scalar>& hair,
+                                       const Scalar* target_divergence, int j, int k, Scalar* places,
+                                       Scalar* sampled) {
   const int n = shape_.cells;
   const size_t row = static_cast<size_t>(n), first = shape_.at(0, j, k);
   uint8_t& exchanges = exchanges_[row * static_cast<size_t>(k) + static_cast<size_t>(j)];
@@ -356,7 +356,7 @@ void WindGrid<Scalar>::findExchange(double seconds, const HairDrag<Scalar>& hair
         for (int i = low; i < high; ++i)
           places[static_cast<size_t>(c) * (row + 16) + static_cast<size_t>(i - low)] =
               at[c] + step[c] * static_cast<Scalar>(i);
-      findExchangeWithHair(seconds, hair, from, count, places, sampled);
+      computeExchangeWithHair(seconds, hair, from, count, places, sampled);
       exchanges = 1;
     }
   }
@@ -395,11 +395,11 @@ void WindGrid<Scalar>::exchange(double seconds, const HairDrag<Scalar>& hair) {
   workers_.forEach(shape_.cells, [&](int k) {
     Scalar *places = places_.data() + 3 * (row + 16) * static_cast<size_t>(k),
            *sampled = sampled_.data() + 4 * row * static_cast<size_t>(k);
-    for (int j = 0; j < shape_.cells; ++j) findExchange(seconds, hair, of_spheres, j, k, places, sampled);
+    for (int j = 0; j < shape_.cells; ++j) computeExchange(seconds, hair, of_spheres, j, k, places, sampled);
   });
   const WindView<Scalar> w = view();
   if (hair.slip[0] != nullptr) {
-    findCentres();
+    computeCentres();
     eachFace([&](int axis, int k) { passes_.exchangeAmong(w, axis, k); });
   } else {
     eachFace([&](int axis, int k) { passes_.exchange(w, axis, k); });
@@ -429,15 +429,15 @@ PressureReport WindGrid<Scalar>::project() {
     if (k < shape_.cells) passes_.outflow(w, p, right, k);
     fastest_[k] = passes_.fastest(w, k);
     if (w.target_divergence != nullptr && k < shape_.cells)
-      fastest_[k] = std::max(fastest_[k],
-                             static_cast<Scalar>(kLeastOfFace) * maxTargetDivergence(w.target_divergence, k));
+      fastest_[k] = std::max(
+          fastest_[k], static_cast<Scalar>(kMinFaceShare) * maxTargetDivergence(w.target_divergence, k));
   });
   const double fastest = static_cast<double>(*std::max_element(fastest_.begin(), fastest_.end()));
   const double tolerance = std::max(kResidual * fastest, kStill);
   const PressureReport report =
-      solver_.solve(right, pressure, static_cast<Scalar>(tolerance), kMostIterations);
+      solver_.solve(right, pressure, static_cast<Scalar>(tolerance), kMaxPressureIterations);
   eachFace([&](int axis, int k) { passes_.subtractGradient(w, p, pressure, axis, k); });
-  findCentres();
+  computeCentres();
   return report;
 }
 

@@ -36,7 +36,7 @@ class WindGrid : public Wind {
   /// As WindBox::moveOrigin(): the air keeps its place in the world. The caller rebases ambient() too.
   void moveOrigin(const Vec3& way) {
     box_.moveOrigin(way);
-    wanted_found_ = false;
+    target_divergence_valid_ = false;
   }
   void reset() override;
   void setComponents(const Component& value) override;
@@ -49,13 +49,13 @@ class WindGrid : public Wind {
   template <class Distances, class Velocity>
   void addSolid(const Box& box, const Distances& distances, const Velocity& velocity);
 
-  void takeSources(std::span<const WindSource> sources) override;
+  void setSources(std::span<const WindSource> sources) override;
   void advect(double seconds, bool mac_cormack) override;
   void diffuse(double seconds, double viscosity) override;
   void exchange(double seconds) override { exchange(seconds, {}); }
   void exchange(double seconds, const HairDrag<Scalar>& hair);
   /// Allocates memory for HairDrag::slip. Precondition of exchange() with it, which does not allocate.
-  void expectSlip();
+  void reserveSlip();
   PressureReport project() override;
 
   Vec3 velocityAt(const Vec3& point) const override;
@@ -80,18 +80,18 @@ class WindGrid : public Wind {
   std::pair<int, int> cellsInHair(const HairDrag<Scalar>& hair, const Scalar* at, const Scalar* step) const;
   /// Exchange with hair of cells `from` .. `from` + count - 1, at `places` of the hair grid. `sampled`:
   /// scratch.
-  void findExchangeWithHair(double seconds, const HairDrag<Scalar>& hair, size_t from, size_t count,
-                            const Scalar* places, Scalar* sampled);
+  void computeExchangeWithHair(double seconds, const HairDrag<Scalar>& hair, size_t from, size_t count,
+                               const Scalar* places, Scalar* sampled);
   /// Exchange of a row with hair and sources. `places`, `sampled`: scratch memory for a row.
-  void findExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* target_divergence, int j,
-                    int k, Scalar* places, Scalar* sampled);
+  void computeExchange(double seconds, const HairDrag<Scalar>& hair, const Scalar* target_divergence, int j,
+                       int k, Scalar* places, Scalar* sampled);
   /// Target divergence x cell of spheres, m/s, solids ignored; null where there are no spheres.
   const Scalar* targetDivergence();
   /// The same, 0 in cells that are enclosed by solids: for WindView::target_divergence.
   const Scalar* targetDivergenceAmongSolids();
   /// Largest absolute value in a layer, of cells that are not solid.
   Scalar maxTargetDivergence(const Scalar* target_divergence, int k) const;
-  void findCentres();
+  void computeCentres();
   /// Calls work(axis, layer) for all layers of faces of all axes, concurrently.
   template <class Work>
   void eachFace(const Work& work) const;
@@ -114,9 +114,9 @@ class WindGrid : public Wind {
   std::vector<Vec3> solid_velocity_;   ///< m/s, per cell, in the layout of shape_
   bool built_ = false;                 ///< solver_ was built
   std::vector<WindSource> drivers_, spheres_;
-  GridArray<Scalar> slip_[6];                       ///< empty until expectSlip()
-  GridArray<Scalar> wanted_, wanted_among_solids_;  ///< empty until there is a sphere
-  bool wanted_found_ = false;                       ///< wanted_ is up to date with spheres_ and box_
+  GridArray<Scalar> slip_[6];                                             ///< empty until reserveSlip()
+  GridArray<Scalar> target_divergence_, target_divergence_among_solids_;  ///< empty until there is a sphere
+  bool target_divergence_valid_ = false;  ///< target_divergence_ is up to date with spheres_ and box_
   PressureSolver<Scalar> solver_;
 };
 
@@ -137,7 +137,7 @@ void WindGrid<Scalar>::addSolid(const Box& box, const Distances& distances, cons
   };
   // A block is on one side of the surface where the distance of its centre exceeds that to its cells'
   // centres.
-  constexpr int kBlock = 4, kCells = kBlock * kBlock * kBlock, kMostBlocks = 128 / kBlock;
+  constexpr int kBlock = 4, kCells = kBlock * kBlock * kBlock, kMaxBlocks = 128 / kBlock;
   const float farthest = 1.01f * std::sqrt(3.0f) * 0.5f * static_cast<float>(kBlock - 1) * cell_;
   auto addBlock = [&](int bi, int bj, int bk, float away) {
     if (away > farthest) return;
@@ -164,8 +164,8 @@ void WindGrid<Scalar>::addSolid(const Box& box, const Distances& distances, cons
   };
   for (int k = low[2]; k < high[2]; k += kBlock)
     for (int j = low[1]; j < high[1]; j += kBlock) {
-      Vec3 middles[kMostBlocks];
-      float away[kMostBlocks];
+      Vec3 middles[kMaxBlocks];
+      float away[kMaxBlocks];
       size_t blocks = 0;
       for (int i = low[0]; i < high[0]; i += kBlock)
         middles[blocks++] = middleOf(i, j, k, static_cast<float>(kBlock));

@@ -105,7 +105,7 @@ std::span<const WindSourceNumber> windSourceNumbers() {
   return kNumbers;
 }
 
-void take(WindSource& source, const WindSource& of, WindSourceParts parts) {
+void copyParts(WindSource& source, const WindSource& of, WindSourceParts parts) {
   if ((parts & kSourcePosition) != 0) source.position = of.position;
   if ((parts & kSourceDirection) != 0) source.direction = of.direction;
   for (const WindSourceNumber& number : windSourceNumbers())

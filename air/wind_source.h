@@ -59,7 +59,7 @@ struct WindSourceNumber {
 std::span<const WindSourceNumber> windSourceNumbers();
 
 /// Copies `parts` of `of` to `source`.
-void take(WindSource& source, const WindSource& of, WindSourceParts parts);
+void copyParts(WindSource& source, const WindSource& of, WindSourceParts parts);
 /// Interpolates two sources of the same kind, `part` from 0 to 1: positions and numbers linearly, directions
 /// by slerp. The result is valid where both are.
 WindSource between(const WindSource& from, const WindSource& to, float part);

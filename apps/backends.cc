@@ -14,7 +14,7 @@ std::vector<BackendInfo> knownBackends(const std::string& wanted) {
   return of_processor;
 }
 
-AirMaker airOf(const std::string& backend, int threads) {
+AirFactory airOf(const std::string& backend, int threads) {
   return backend == "gpu" ? gpuAir() : cpuAir(backend, threads);
 }
 

@@ -10,6 +10,6 @@ namespace strandcast {
 /// backend is neither listed nor queried, and STRANDCAST_GPU has no effect. Throws Error as gpuBackendInfo().
 std::vector<BackendInfo> knownBackends(const std::string& wanted = "auto");
 /// The air system for the named backend; `threads` of the simd backend, 0 = all.
-AirMaker airOf(const std::string& backend, int threads = 0);
+AirFactory airOf(const std::string& backend, int threads = 0);
 
 }  // namespace strandcast

@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "apps/console.h"
-#include "apps/hair_outlook.h"
+#include "apps/hair_estimate.h"
 #include "apps/interrupt.h"
 #include "collision/field_cache.h"
 #include "core/error.h"
@@ -53,7 +53,7 @@ std::string networkName(const Settings& settings) {
 }
 
 std::unique_ptr<Subscriber> subscribe(const Settings& settings) { return join(settings, true); }
-std::unique_ptr<Subscriber> steer(const Settings& settings) { return join(settings, false); }
+std::unique_ptr<Subscriber> joinForCommands(const Settings& settings) { return join(settings, false); }
 
 GroomClaim::GroomClaim(const Settings& settings, uint64_t session) : settings_(settings), session_(session) {
   if (settings.claim && usesLcm(settings))
@@ -65,54 +65,55 @@ GroomClaim::GroomClaim(const Settings& settings, uint64_t session) : settings_(s
 }
 
 void GroomClaim::check() {
-  if (publisher_->cannotHearDaemon())
+  if (publisher_->hasUnreachableDaemonOfGroom())
     throw Error(fmt::format("another daemon of groom {} is present, but its shared memory cannot be read; it "
                             "may run as another user",
                             settings_.groom_id),
                 networkName(settings_),
                 "start both daemons as one user, or this daemon with --profile reliable-lan; or stop the "
                 "other daemon or choose another --groom-id");
-  const std::optional<Rival> rival = publisher_->rival();
+  const std::optional<ConflictingDaemon> conflict = publisher_->conflict();
   const auto now = std::chrono::steady_clock::now();
-  if (!rival) {
-    rival_heard_.reset();
+  if (!conflict) {
+    conflict_heard_.reset();
     return;
   }
-  if (!rival_heard_) rival_heard_ = now;
+  if (!conflict_heard_) conflict_heard_ = now;
   // A rival that also starts and has the higher session exits once it hears this daemon: wait for it. Any
   // other rival stays. So does one that began to cast before it heard this daemon; the time limit covers that
   // case.
-  const bool goes = !rival->casts && rival->session > session_ && now - *rival_heard_ < 3 * kRivalListenTime;
+  const bool goes =
+      !conflict->casts && conflict->session > session_ && now - *conflict_heard_ < 3 * kConflictListenTime;
   if (goes) return;
   throw Error(fmt::format("another daemon already {} groom {}",
-                          rival->casts ? "publishes" : "prepares to publish", settings_.groom_id),
-              fmt::format("{}, session {:016x}", networkName(settings_), rival->session),
+                          conflict->casts ? "publishes" : "prepares to publish", settings_.groom_id),
+              fmt::format("{}, session {:016x}", networkName(settings_), conflict->session),
               "stop it (`strandcast ctl stop`) or choose another --groom-id");
 }
 
 void GroomClaim::await() {
-  constexpr std::chrono::milliseconds kLook{5}, kWorthSaying{300};
+  constexpr std::chrono::milliseconds kPollInterval{5}, kNotableWait{300};
   // A log has no other writers.
   if (usesLcm(settings_) && isLcmLog(settings_.lcm_url)) return;
   const auto begin = std::chrono::steady_clock::now();
-  for (bool said = false;; std::this_thread::sleep_for(kLook)) {
+  for (bool said = false;; std::this_thread::sleep_for(kPollInterval)) {
     if (g_interrupted) throw Interrupted();
     check();
     const auto now = std::chrono::steady_clock::now();
     const auto listen_time = publisher_->listenTime();
-    if (!rival_heard_ && now - joined_ >= listen_time) return;
-    if (said || now - begin < kWorthSaying) continue;
+    if (!conflict_heard_ && now - joined_ >= listen_time) return;
+    if (said || now - begin < kNotableWait) continue;
     said = true;
-    if (rival_heard_)
+    if (conflict_heard_)
       spdlog::info("waiting for another starting daemon, session {:016x}, to give up its claim",
-                   publisher_->rival().value_or(Rival{}).session);
+                   publisher_->conflict().value_or(ConflictingDaemon{}).session);
     else
       spdlog::info(
           "listening for up to {:.1f} s for another daemon of groom {} on {}: {}",
           std::chrono::duration<double>(listen_time - (now - joined_)).count(), settings_.groom_id,
           networkName(settings_),
-          publisher_->possibleRivals() > 0
-              ? fmt::format("{} of the programs on the network may be one", publisher_->possibleRivals())
+          publisher_->possibleConflicts() > 0
+              ? fmt::format("{} of the programs on the network may be one", publisher_->possibleConflicts())
               : "its announcement would arrive within that time");
   }
 }
@@ -124,9 +125,9 @@ std::unique_ptr<Publisher> claimGroom(const Settings& settings, uint64_t session
 }
 
 BakeAnnouncement announceBakes(ProgressBar& bar) {
-  return [&](const std::string& outlook, double seconds) {
+  return [&](const std::string& estimate, double seconds) {
     bar.clear();
-    if (seconds >= kBakeWorthSaying) spdlog::info("{}", outlook);
+    if (seconds >= kNotableBakeSeconds) spdlog::info("{}", estimate);
   };
 }
 
@@ -141,22 +142,22 @@ std::filesystem::path fieldCacheWithProgress() {
 
 namespace {
 
-void tellOutlook(const SceneOptions& options) {
-  const HairOutlook outlook = outlookOfGroom(options);
-  if (!outlook.isWorthSaying()) return;
-  if (outlook.file_bytes > 0)
+void logEstimate(const SceneOptions& options) {
+  const HairEstimate estimate = estimateOfGroom(options);
+  if (!estimate.isNotable()) return;
+  if (estimate.file_bytes > 0)
     spdlog::info("reading {:.0f} MiB of groom files takes {}",
-                 static_cast<double>(outlook.file_bytes) / (1 << 20), outlook.text());
+                 static_cast<double>(estimate.file_bytes) / (1 << 20), estimate.text());
   else
-    spdlog::info("{} strands, {} vertices: growing and simulating them takes {}", outlook.strands,
-                 outlook.vertices, outlook.text());
+    spdlog::info("{} strands, {} vertices: growing and simulating them takes {}", estimate.strands,
+                 estimate.vertices, estimate.text());
 }
 
 }  // namespace
 
 Scene makeSceneWithProgress(SceneOptions options, const std::function<void()>& meanwhile) {
   if (options.field_cache.empty()) options.field_cache = fieldCacheWithProgress();
-  tellOutlook(options);
+  logEstimate(options);
   Scene scene;
   std::exception_ptr stops;  // exception of `meanwhile`, which runs in the bake's worker threads
   {
@@ -223,12 +224,12 @@ Stream::Stream(const Settings& settings, bool here, double timeout, SimulationOb
     embedded_ = std::make_unique<EmbeddedDaemon>(settings, std::move(observer));
   else
     remote_ = subscribe(settings);
-  constexpr std::chrono::milliseconds kLook{100};
+  constexpr std::chrono::milliseconds kPollInterval{100};
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout);
   bool found = false;
   while (!found && std::chrono::steady_clock::now() < end) {
     if (g_interrupted) throw Interrupted();
-    found = subscriber().waitForGroom(kLook);
+    found = subscriber().waitForGroom(kPollInterval);
   }
   if (!found)
     throw Error("no daemon publishes this groom",

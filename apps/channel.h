@@ -23,7 +23,7 @@ std::string networkName(const Settings& settings);
 std::unique_ptr<Subscriber> subscribe(const Settings& settings);
 /// Joins the network to send commands to the daemon of settings.groom_id. Receives statuses and answers, no
 /// frames.
-std::unique_ptr<Subscriber> steer(const Settings& settings);
+std::unique_ptr<Subscriber> joinForCommands(const Settings& settings);
 /// A daemon's claim to settings.groom_id while it starts. Other daemons hear the claim from the beginning,
 /// and it listens for theirs while the scene loads. An LCM log has no rivals: await() returns at once.
 class GroomClaim {
@@ -43,7 +43,7 @@ class GroomClaim {
   const Settings settings_;
   const uint64_t session_;
   std::chrono::steady_clock::time_point joined_;
-  std::optional<std::chrono::steady_clock::time_point> rival_heard_;
+  std::optional<std::chrono::steady_clock::time_point> conflict_heard_;
   std::unique_ptr<Publisher> owned_;
   Publisher* publisher_;
 };

@@ -19,8 +19,8 @@ namespace strandcast {
 namespace {
 
 constexpr size_t kColliderFileValues = 12;  // kind, follows head (0 or 1), pose (7), friction, unit, cell
-constexpr double kMostColliderFriction = 10;
-constexpr float kLeastLength = 1e-6f, kMostLength = 1e3f;  // m, limits of a unit and of a cell
+constexpr double kMaxColliderFriction = 10;
+constexpr float kMinLength = 1e-6f, kMaxLength = 1e3f;  // m, limits of a unit and of a cell
 
 bool isOneOf(double value, std::initializer_list<double> values) {
   return std::find(values.begin(), values.end(), value) != values.end();
@@ -28,9 +28,9 @@ bool isOneOf(double value, std::initializer_list<double> values) {
 
 float lengthOrNone(double value, const char* what, const std::string& where) {
   const auto length = static_cast<float>(value);
-  if (value != 0 && !(length >= kLeastLength && length <= kMostLength))
+  if (value != 0 && !(length >= kMinLength && length <= kMaxLength))
     throw Error(fmt::format("{} is out of range", what), where,
-                fmt::format("give 0, or {:g} to {:g} m", kLeastLength, kMostLength));
+                fmt::format("give 0, or {:g} to {:g} m", kMinLength, kMaxLength));
   return length;
 }
 
@@ -80,9 +80,9 @@ ColliderFile colliderFileOf(const Command& command, const std::string& where) {
   if (!isOneOf(v[1], {0, 1})) throw Error("'follows head' is neither 0 nor 1", where, "give 1 or 0");
   out.follows_head = v[1] == 1;
   out.pose = commandedPose(v, 2, where);
-  if (!(v[9] >= 0 && v[9] <= kMostColliderFriction))
+  if (!(v[9] >= 0 && v[9] <= kMaxColliderFriction))
     throw Error("a collider's friction is out of range", where,
-                fmt::format("give 0 to {:g}", kMostColliderFriction));
+                fmt::format("give 0 to {:g}", kMaxColliderFriction));
   out.friction = static_cast<float>(v[9]);
   out.unit_meters = lengthOrNone(v[10], "a file's unit", where);
   out.cell = lengthOrNone(v[11], "a cell", where);
@@ -104,7 +104,7 @@ void ColliderMaker::begin(const Command& command, const std::string& where) {
   checkFileWithin(folder_, job.collider.file, where);
   job.where = where;
   const std::lock_guard lock(mutex_);
-  if (jobs_.size() >= kMostWaiting)
+  if (jobs_.size() >= kMaxQueuedJobs)
     throw Error(fmt::format("{} colliders are still being made from files", jobs_.size()), where,
                 "wait for their answers");
   jobs_.push_back(std::move(job));
@@ -211,8 +211,8 @@ PrimitiveBody ColliderMaker::bodyOf(const Job& job) const {
   limits.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
   PrimitiveBodies made = primitiveBodies(
       {primitive}, options_, {}, [&](const std::string&, double) { return !stopping_ && !*job.dropped; },
-      [&](const std::string& outlook, double seconds) {
-        if (seconds >= kBakeWorthSaying) spdlog::info("collider {}: {}", collider.name, outlook);
+      [&](const std::string& estimate, double seconds) {
+        if (seconds >= kNotableBakeSeconds) spdlog::info("collider {}: {}", collider.name, estimate);
       },
       limits);
   for (const std::string& warning : made.warnings) spdlog::warn("collider {}: {}", collider.name, warning);

@@ -43,7 +43,7 @@ void checkFileWithin(const std::filesystem::path& folder, const std::string& nam
 /// may take minutes.
 class ColliderMaker {
  public:
-  static constexpr size_t kMostWaiting = 16;
+  static constexpr size_t kMaxQueuedJobs = 16;
 
   /// The result of a command.
   struct Made {
@@ -64,7 +64,7 @@ class ColliderMaker {
   ColliderMaker& operator=(const ColliderMaker&) = delete;
 
   /// Queues the command. Throws Error where the command is invalid, as checkFileWithin(), or where
-  /// kMostWaiting jobs are queued.
+  /// kMaxQueuedJobs jobs are queued.
   void begin(const Command& command, const std::string& where);
   /// Whether a collider of this name is queued, in work or done but not taken yet.
   bool makes(const std::string& name) const;

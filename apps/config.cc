@@ -200,7 +200,7 @@ void readBodyName(Section& section, std::string& into) {
 }
 
 /// Warns of shape keys that the primitive's kind does not use.
-void tellUnusedShapeKeys(const Section& section, PrimitiveKind kind, std::vector<std::string>& warnings) {
+void warnOfUnusedShapeKeys(const Section& section, PrimitiveKind kind, std::vector<std::string>& warnings) {
   using K = PrimitiveKind;
   const struct {
     const char* key;
@@ -279,7 +279,7 @@ ScenePrimitive readPrimitive(Section& section, const PathOf& path, std::vector<s
   readUnits(section, primitive.units);
   section.number("cell", 1e-6, 1e3, [&](double v) { primitive.cell = static_cast<float>(v); });
   primitive.where = section.place();
-  tellUnusedShapeKeys(section, out.kind, warnings);
+  warnOfUnusedShapeKeys(section, out.kind, warnings);
   const bool is_mesh = out.kind == PrimitiveKind::kField;
   const bool has_file = is_mesh || out.kind == PrimitiveKind::kConvex;
   if (primitive.cell > 0 && !is_mesh)

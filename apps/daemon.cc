@@ -15,7 +15,7 @@
 #include "apps/command_values.h"
 #include "apps/scene_simulation.h"
 #include "apps/show_fingerprint.h"
-#include "apps/void_settings.h"
+#include "apps/unused_settings.h"
 #include "core/error.h"
 #include "core/quantile.h"
 #include "core/smooth_step.h"
@@ -71,7 +71,7 @@ uint64_t newSession() {
 Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session)
     : settings_(settings),
       publisher_(publisher),
-      rival_watch_(settings.groom_id),
+      conflict_detector_(settings.groom_id),
       named_(scene.named_bodies),
       body_name_(scene.body_name),
       named_parts_(scene.named_parts),
@@ -83,7 +83,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
       simulation_(makeSimulation(scene, settings)),
       wind_(settings.wind_sources, simulation_) {
   if (publisher.castingState() != CastingState::kUnshared) {
-    part_ = Part::kWaits;
+    share_state_ = ShareState::kWaiting;
     fingerprint_ = fingerprintOf(scene, settings);
   }
   frame_.groom_id = settings.groom_id;
@@ -133,13 +133,13 @@ void Daemon::apply(const Command& command) {
       Parameters parameters = simulation_.parameters();
       setParameter(parameters, command.name, command.values, where);
       simulation_.setParameters(parameters);
-      tellWhatIsVoid(command.name);
+      warnIfUnused(command.name);
       return fillStatus();
     }
     case CommandKind::kHeadPose:
       return moveHead(command, where);
     case CommandKind::kHeadMotion:  // only procedural motions: file names belong to another machine
-      return steerHead({SteeredHead::Kind::kNamed, command.name, motionPose(), {}, simulation_.time()});
+      return setHeadControl({HeadControl::Kind::kNamed, command.name, motionPose(), {}, simulation_.time()});
     case CommandKind::kReset:
       return reset();
     case CommandKind::kShutdown:
@@ -150,7 +150,7 @@ void Daemon::apply(const Command& command) {
       return;
     case CommandKind::kStep:
       if (!paused_) throw Error("only a paused simulation takes single steps", where, "pause it first");
-      return askForSteps(command, where);
+      return requestSteps(command, where);
     case CommandKind::kPull:
       return pull(command, where);
     case CommandKind::kAddCollider:
@@ -180,17 +180,17 @@ void Daemon::apply(const Command& command) {
 void Daemon::reset() {
   simulation_.reset();
   ++resets_;
-  looked_ = {};
-  looked_at_ = 0;
+  measured_ = {};
+  strands_measured_ = 0;
   status_.mean_stretch = status_.max_stretch = status_.max_penetration = 0;
   status_.non_finite = status_.strands_reset = 0;
 }
 
-void Daemon::tellWhatIsVoid(const std::string& parameter) {
-  const std::string why = whyVoid(simulation_.parameters(), parameter);
+void Daemon::warnIfUnused(const std::string& parameter) {
+  const std::string why = unmetConditionOf(simulation_.parameters(), parameter);
   if (why.empty())
-    told_void_.erase(parameter);
-  else if (told_void_.insert(parameter).second)
+    unused_parameters_.erase(parameter);
+  else if (unused_parameters_.insert(parameter).second)
     spdlog::warn("parameter '{}' has no effect: {}", parameter, why);
 }
 
@@ -203,14 +203,14 @@ void Daemon::pull(const Command& command, const std::string& where) {
   const auto at = [&](size_t i) { return Vec3(Eigen::Vector3d(v[i], v[i + 1], v[i + 2]).cast<float>()); };
   simulation_.pullHair(at(0), static_cast<float>(v[3]), at(4), static_cast<float>(v[7]));
   pull_until_ = simulation_.time() + kPullSeconds;
-  std::copy(v.begin(), v.end(), pulled_.begin());
+  std::copy(v.begin(), v.end(), last_pull_.begin());
 }
 
 void Daemon::moveHead(const Command& command, const std::string& where) {
   if (command.values.size() != 7)
     throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
-  steerHead({SteeredHead::Kind::kPose, "", motionPose(), commandedPose(command.values, 0, where),
-             simulation_.time()});
+  setHeadControl({HeadControl::Kind::kPose, "", motionPose(), commandedPose(command.values, 0, where),
+                  simulation_.time()});
 }
 
 Pose Daemon::motionPose() const {
@@ -218,9 +218,9 @@ Pose Daemon::motionPose() const {
   return carried.inverse() * simulation_.headPose();
 }
 
-void Daemon::steerHead(SteeredHead steered) {
+void Daemon::setHeadControl(HeadControl steered) {
   motion_ = motionOf(steered, scene_motion_, head_pivot_);
-  steered_head_ = std::move(steered);
+  head_control_ = std::move(steered);
 }
 
 void Daemon::addCollider(const Command& command, const std::string& where) {
@@ -230,13 +230,13 @@ void Daemon::addCollider(const Command& command, const std::string& where) {
   body.follows_head = command.values[1] != 0;
   body.pose = commandedPose(command.values, 2, where);
   addNamed(command.name, std::move(body), where);
-  made_by_[command.name] = command;
+  collider_commands_[command.name] = command;
 }
 
 void Daemon::addColliderFile(const Command& command, const std::string& where) {
   checkColliderName(colliderFileOf(command, where).name, where);
   maker_.begin(command, where);
-  being_made_[command.id] = command;
+  pending_colliders_[command.id] = command;
 }
 
 BodyId Daemon::namedCollider(const std::string& name, const std::string& where) const {
@@ -270,40 +270,40 @@ void Daemon::addNamed(const std::string& name, RigidBody body, const std::string
   announceColliders();
 }
 
-void Daemon::takeMadeBodies() {
+void Daemon::addMadeBodies() {
   while (std::optional<ColliderMaker::Made> made = maker_.take()) {
     if (made->refusal.empty()) {
       made->refusal = errorTextOf([&] {
-        if (of_show_.contains(made->command)) checkMesh(*made);
+        if (show_entries_.contains(made->command)) checkMesh(*made);
         checkColliderShape(made->body.primitives.front(), made->where);
         addNamed(made->name, std::move(made->body), made->where);
         fillStatus();
       });
     }
-    auto command = being_made_.extract(made->command);
+    auto command = pending_colliders_.extract(made->command);
     if (made->refusal.empty() && !command.empty()) {
-      made_by_[made->name] = std::move(command.mapped());
+      collider_commands_[made->name] = std::move(command.mapped());
       mesh_hashes_[made->name] = made->mesh_hash;
     }
-    if (const auto of_show = of_show_.extract(made->command); !of_show.empty())
-      noteMade(of_show.mapped(), made->refusal);
+    if (const auto of_show = show_entries_.extract(made->command); !of_show.empty())
+      recordMissingCollider(of_show.mapped(), made->refusal);
     else
       answer(made->command, made->refusal);
   }
 }
 
-bool Daemon::awaitBodies(const std::atomic<bool>& stop) {
-  constexpr std::chrono::milliseconds kLook{20};
-  for (; maker_.isBusy(); takeMadeBodies()) {
+bool Daemon::waitUntilBodiesMade(const std::atomic<bool>& stop) {
+  constexpr std::chrono::milliseconds kPollInterval{20};
+  for (; maker_.isBusy(); addMadeBodies()) {
     if (stop) return false;
-    maker_.wait(kLook);
+    maker_.wait(kPollInterval);
   }
   return true;
 }
 
 void Daemon::dropBodies() {
   maker_.stop();
-  takeMadeBodies();
+  addMadeBodies();
 }
 
 void Daemon::moveCollider(const Command& command, const std::string& where) {
@@ -319,8 +319,8 @@ void Daemon::moveCollider(const Command& command, const std::string& where) {
   const double seconds = command.values.size() == 8 ? command.values[7] : kRampSeconds;
   if (!(seconds >= 0 && seconds <= kLongestWay))
     throw Error(fmt::format("a collider's move takes 0 to {:g} s", kLongestWay), where, "");
-  ways_[id] = {simulation_.bodyPose(id), commandedPose(command.values, 0, where), simulation_.time(),
-               seconds};
+  tweens_[id] = {simulation_.bodyPose(id), commandedPose(command.values, 0, where), simulation_.time(),
+                 seconds};
 }
 
 void Daemon::removeCollider(const Command& command, const std::string& where) {
@@ -328,9 +328,9 @@ void Daemon::removeCollider(const Command& command, const std::string& where) {
   const BodyId id = namedCollider(command.name, where);
   simulation_.removeBody(id);
   named_.erase(command.name);
-  made_by_.erase(command.name);
+  collider_commands_.erase(command.name);
   mesh_hashes_.erase(command.name);
-  ways_.erase(id);
+  tweens_.erase(id);
   announceColliders();
 }
 
@@ -343,12 +343,12 @@ void Daemon::announceColliders() {
   publisher_.announceColliders(set);
 }
 
-void Daemon::askForSteps(const Command& command, const std::string& where) {
-  const int count = wholeNumber(command, 1, kMostSteps, where);
-  int owed = 0;
-  for (const Steps& steps : steps_) owed += steps.left;
-  if (owed + count > kMostSteps)
-    throw Error(fmt::format("{} steps are pending", owed), where, "wait for the daemon's answer");
+void Daemon::requestSteps(const Command& command, const std::string& where) {
+  const int count = wholeNumber(command, 1, kMaxRequestedSteps, where);
+  int outstanding = 0;
+  for (const Steps& steps : steps_) outstanding += steps.left;
+  if (outstanding + count > kMaxRequestedSteps)
+    throw Error(fmt::format("{} steps are pending", outstanding), where, "wait for the daemon's answer");
   steps_.push_back({command.id, where, count});
 }
 
@@ -364,7 +364,7 @@ void Daemon::execute(const Command& command) {
 }
 
 void Daemon::answer(uint64_t command, const std::string& refusal) {
-  if (follows_) return;  // the casting daemon answers
+  if (is_following_) return;  // the casting daemon answers
   status_.simulation_time = simulation_.time();
   status_.last_command = command;
   status_.last_command_error = refusal;
@@ -377,7 +377,7 @@ void Daemon::answer(uint64_t command, const std::string& refusal) {
 }
 
 /// Takes this frame's share of the steps that commands have requested. False when `stop` came first.
-bool Daemon::takeSteps(const std::atomic<bool>& stop) {
+bool Daemon::runRequestedSteps(const std::atomic<bool>& stop) {
   const auto end = Clock::now() + std::chrono::duration<double>(0.5 / settings_.rate);
   do {
     if (stop) return false;
@@ -402,12 +402,12 @@ void Daemon::advance() {
   const Clock::time_point start = Clock::now();
   if (simulation_.pulledVertices() > 0 && simulation_.time() > pull_until_) simulation_.releaseHair();
   const double end = simulation_.time() + simulation_.parameters().time_step;
-  moveTo(skinned_.get(), end, motion_(end - steered_head_.start), simulation_);
-  goOnWithWays(end);
-  wind_.goOn(end);
+  moveTo(skinned_.get(), end, motion_(end - head_control_.start), simulation_);
+  advanceColliderMotions(end);
+  wind_.advance(end);
   simulation_.step();
   status_.strands_reset +=
-      simulation_.resetBroken();  // synchronises with the backend, so that the time covers the whole step
+      simulation_.resetDiverged();  // synchronises with the backend, so that the time covers the whole step
   const double ms = milliseconds(Clock::now() - start);
   if (step_ms_.size() < kStepWindow)
     step_ms_.push_back(ms);
@@ -416,11 +416,11 @@ void Daemon::advance() {
   ++step_count_;
 }
 
-void Daemon::goOnWithWays(double time) {
-  for (auto way = ways_.begin(); way != ways_.end();) {
+void Daemon::advanceColliderMotions(double time) {
+  for (auto way = tweens_.begin(); way != tweens_.end();) {
     const auto& [id, w] = *way;
-    simulation_.setBodyPose(id, onTheWay(w.from, w.to, time - w.start, w.seconds));
-    way = time - w.start >= w.seconds ? ways_.erase(way) : std::next(way);
+    simulation_.setBodyPose(id, poseBetween(w.from, w.to, time - w.start, w.seconds));
+    way = time - w.start >= w.seconds ? tweens_.erase(way) : std::next(way);
   }
 }
 
@@ -441,7 +441,7 @@ void Daemon::publishFrame() {
   frame_.publish_time = static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                                   std::chrono::system_clock::now().time_since_epoch())
                                                   .count());
-  if (part_ == Part::kTakesPart) publisher_.publish(frame_);
+  if (share_state_ == ShareState::kParticipating) publisher_.publish(frame_);
   status_.frames = frame_.frame;
   measureSlice(static_cast<size_t>(std::ceil(static_cast<double>(simulation_.model().strands()) /
                                              std::max(kStatusInterval * settings_.rate, 1.0))));
@@ -450,27 +450,28 @@ void Daemon::publishFrame() {
 
 // Measuring all strands in one frame would delay it: 0.1 s for 96,000 vertices.
 void Daemon::measureSlice(size_t strands) {
-  const size_t end = std::min(looked_at_ + strands, simulation_.model().strands());
-  looked_.add(simulation_.measure({looked_at_, end}));
-  looked_at_ = end;
+  const size_t end = std::min(strands_measured_ + strands, simulation_.model().strands());
+  measured_.add(simulation_.measure({strands_measured_, end}));
+  strands_measured_ = end;
 }
 
 void Daemon::fillStatus() {
   status_.parameters = parameterTable(simulation_.parameters());
   for (const auto& [name, source] : wind_.sources())
-    tell(status_.parameters, kToldSource, name, windSourceValues(source));
+    appendEntry(status_.parameters, kWindSourceEntry, name, windSourceValues(source));
   if (named_parts_ > 0)
-    tell(status_.parameters, kToldCollider, body_name_, {0, static_cast<double>(named_parts_)});
+    appendEntry(status_.parameters, kColliderEntry, body_name_, {0, static_cast<double>(named_parts_)});
   for (const auto& [name, id] : named_)
-    tell(status_.parameters, kToldCollider, name, {static_cast<double>(id)});
-  for (const std::string& name : told_void_)
-    if (!whyVoid(simulation_.parameters(), name).empty()) tell(status_.parameters, kToldVoid, name, {1});
+    appendEntry(status_.parameters, kColliderEntry, name, {static_cast<double>(id)});
+  for (const std::string& name : unused_parameters_)
+    if (!unmetConditionOf(simulation_.parameters(), name).empty())
+      appendEntry(status_.parameters, kUnusedEntry, name, {1});
 }
 
 void Daemon::measure() {
   measureSlice(simulation_.model().strands());
-  const Measurement measured = std::exchange(looked_, {});
-  looked_at_ = 0;
+  const Measurement measured = std::exchange(measured_, {});
+  strands_measured_ = 0;
   status_.simulation_time = simulation_.time();
   status_.step_ms_median = quantileOf(step_ms_, 0.5);
   status_.step_ms_p95 = quantileOf(step_ms_, 0.95);
@@ -487,39 +488,39 @@ void Daemon::publishStatus() {
   status_.encoding = publisher_.encoding();
   publisher_.publishStatus(status_);
   if (const auto why =
-          rival_watch_.look(publisher_, status_.session, status_.frames, Clock::now() - cast_since_))
+          conflict_detector_.check(publisher_, status_.session, status_.frames, Clock::now() - cast_since_))
     failure_ = *why;
 }
 
-bool Daemon::obeyCommands(const std::atomic<bool>& stop) {
+bool Daemon::executeCommands(const std::atomic<bool>& stop) {
   for (size_t taken = 0; taken < kMaxCommandsPerFrame; ++taken) {
     const std::optional<Command> command = publisher_.takeCommand();
     if (!command) break;
     execute(*command);
-    if (waits_for_bodies_ && !awaitBodies(stop)) return false;
+    if (waits_for_bodies_ && !waitUntilBodiesMade(stop)) return false;
   }
   return true;
 }
 
 bool Daemon::castFrame(const std::atomic<bool>& stop) {
-  if (publisher_.takeLapse()) waitForShow();
+  if (publisher_.pollClaimLoss()) waitForShow();
   const CastingState turn = publisher_.castingState();
-  if (part_ == Part::kWaits && !hasShow(turn)) return true;
-  takeMadeBodies();
+  if (share_state_ == ShareState::kWaiting && !hasShow(turn)) return true;
+  addMadeBodies();
   // A standby that has not yet heard all claimants does not take over.
-  const bool follows = turn == CastingState::kOther || (turn == CastingState::kUnknown && follows_);
+  const bool follows = turn == CastingState::kOther || (turn == CastingState::kUnknown && is_following_);
   if (follows) {
     followShow();
     if (!failure_.empty()) return true;
   } else {
-    if (follows_) takeOver();
-    if (!obeyCommands(stop)) return false;
+    if (is_following_) becomeCaster();
+    if (!executeCommands(stop)) return false;
   }
   const double step = simulation_.parameters().time_step;
-  if (paused_ && !follows_) {
-    if (!steps_.empty() && !takeSteps(stop)) return false;
+  if (paused_ && !is_following_) {
+    if (!steps_.empty() && !runRequestedSteps(stop)) return false;
     publishFrame();
-    tellShow();
+    publishShowIfDue();
     return true;
   }
   for (time_accumulator_ += paused_ ? 0 : 1 / settings_.rate; time_accumulator_ > step * (1 - 1e-6);
@@ -528,7 +529,7 @@ bool Daemon::castFrame(const std::atomic<bool>& stop) {
     advance();
   }
   publishFrame();
-  if (turn == CastingState::kOwn) tellShow();
+  if (turn == CastingState::kOwn) publishShowIfDue();
   return true;
 }
 

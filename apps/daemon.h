@@ -13,16 +13,16 @@
 #include <vector>
 
 #include "apps/collider_files.h"
-#include "apps/rival_watch.h"
+#include "apps/conflict_detector.h"
+#include "apps/head_control.h"
 #include "apps/settings.h"
-#include "apps/steered_head.h"
 #include "apps/wind_control.h"
 #include "core/simulation.h"
 #include "transport/publisher.h"
 
 namespace strandcast {
 
-constexpr int kMostSteps = 1000;  ///< limit on outstanding steps requested by commands
+constexpr int kMaxRequestedSteps = 1000;  ///< limit on outstanding steps requested by commands
 
 /// Results of a daemon's run.
 struct DaemonSummary {
@@ -69,12 +69,12 @@ class Daemon {
   void apply(const Command& command);
   void reset();
   /// Warns once of a parameter that was set but has no effect with the other parameters.
-  void tellWhatIsVoid(const std::string& parameter);
+  void warnIfUnused(const std::string& parameter);
   void pull(const Command& command, const std::string& where);
   void moveHead(const Command& command, const std::string& where);
   /// The head pose of the motion alone, without the clip, which goes on and carries the head.
   Pose motionPose() const;
-  void steerHead(SteeredHead steered);
+  void setHeadControl(HeadControl steered);
   void addCollider(const Command& command, const std::string& where);
   void addColliderFile(const Command& command, const std::string& where);
   /// A collider that commands may move or remove; throws Error otherwise.
@@ -84,11 +84,11 @@ class Daemon {
   /// Adds a named body and announces the colliders. Throws Error where the limits on colliders are exceeded.
   void addNamed(const std::string& name, RigidBody body, const std::string& where);
   /// Poses colliders that commands are moving for `time`, s of simulation.
-  void goOnWithWays(double time);
+  void advanceColliderMotions(double time);
   /// Adds the bodies made from files so far and answers their commands.
-  void takeMadeBodies();
+  void addMadeBodies();
   /// Waits until all bodies from files are made. False when `stop` came first.
-  bool awaitBodies(const std::atomic<bool>& stop);
+  bool waitUntilBodiesMade(const std::atomic<bool>& stop);
   /// Refuses the bodies from files that are not made yet.
   void dropBodies();
   void moveCollider(const Command& command, const std::string& where);
@@ -96,8 +96,8 @@ class Daemon {
   void announceColliders();
   void fillStatus();
   void placeColliders();
-  void askForSteps(const Command& command, const std::string& where);
-  bool takeSteps(const std::atomic<bool>& stop);
+  void requestSteps(const Command& command, const std::string& where);
+  bool runRequestedSteps(const std::atomic<bool>& stop);
   void dropSteps(const std::string& why);
   void advance();
   void publishFrame();
@@ -110,11 +110,11 @@ class Daemon {
   // Daemons that share a groom: daemon_show.cc.
   /// The state that a standby needs to go on in place of this daemon. `with_hair`: including the strand
   /// state.
-  Show showNow(bool with_hair);
+  Show makeShow(bool with_hair);
   void addColliderEntries(std::vector<ShowEntry>& entries) const;
   void publishShow(bool with_hair);
   /// Publishes the show where this daemon casts and the show is due or hair is wanted.
-  void tellShow();
+  void publishShowIfDue();
   /// True once this daemon has the casting daemon's show, or nobody casts. False: keep waiting.
   bool hasShow(CastingState turn);
   /// After this daemon stood still and lost its turn: waits for the show again.
@@ -122,53 +122,57 @@ class Daemon {
   /// While another daemon casts: applies its show, and queues commands in case this daemon takes over.
   void followShow();
   /// Applies a show. Throws Error where it is not of this scene.
-  void goOnWith(const Show& show);
-  void takeColliders(const Show& show);
-  void takeCollider(const ShowEntry& entry);
+  void restoreFrom(const Show& show);
+  void applyColliders(const Show& show);
+  void applyCollider(const ShowEntry& entry);
   /// Records a collider of the show that could not be made from its file, with a warning. Empty refusal: no
   /// effect.
-  void noteMade(const ShowEntry& entry, const std::string& refusal);
+  void recordMissingCollider(const ShowEntry& entry, const std::string& refusal);
   /// Throws Error where the show's mesh hash differs from that of the collider made here.
   void checkMesh(const ColliderMaker::Made& made) const;
   /// Whether the mesh of a collider added by command matches the show's; true where the show has no hash.
   bool hasMeshOf(const Show& show, const std::string& collider) const;
-  void keepTime(double time);
+  void syncTime(double time);
   /// Takes over casting: repeats recent answers and executes the queued commands.
-  void takeOver();
+  void becomeCaster();
   /// Executes the commands of one frame. False when `stop` came first.
-  bool obeyCommands(const std::atomic<bool>& stop);
+  bool executeCommands(const std::atomic<bool>& stop);
 
   /// The role of a daemon that shares its groom.
-  enum class Part {
-    kWaits,      ///< waits for the show; claims nothing
-    kCatchesUp,  ///< has the show and catches up with its time; claims nothing
-    kTakesPart   ///< claims, and casts on its turn
+  enum class ShareState {
+    kWaiting,       ///< waits for the show; claims nothing
+    kCatchingUp,    ///< has the show and catches up with its time; claims nothing
+    kParticipating  ///< claims, and casts on its turn
   };
-  Part part_ = Part::kTakesPart;
-  bool follows_ = false;                ///< another daemon casts
+  ShareState share_state_ = ShareState::kParticipating;
+  bool is_following_ = false;           ///< another daemon casts
   std::vector<ShowEntry> fingerprint_;  ///< of scene and settings; equal for all daemons that share the groom
-  std::vector<Command> held_;           ///< commands received while another daemon casts
+  std::vector<Command> queued_commands_;                   ///< commands received while another daemon casts
   std::deque<std::pair<uint64_t, std::string>> answered_;  ///< newest commands and their refusals, empty =
                                                            ///< accepted
-  std::map<std::string, Command> made_by_;  ///< command that added a collider, by the collider's name
-  std::map<uint64_t, Command> being_made_;  ///< commands whose colliders are being made from files, by id
-  std::map<uint64_t, ShowEntry> of_show_;   ///< the show's entries for being_made_, by the same ids
+  std::map<std::string, Command>
+      collider_commands_;  ///< command that added a collider, by the collider's name
+  std::map<uint64_t, Command>
+      pending_colliders_;  ///< commands whose colliders are being made from files, by id
+  std::map<uint64_t, ShowEntry>
+      show_entries_;  ///< the show's entries for pending_colliders_, by the same ids
   /// Colliders of the show that could not be made here, with the show's mesh hash; 0 = the show has none.
-  std::map<std::string, uint64_t> missing_;
-  std::map<std::string, uint64_t> mesh_hashes_;   ///< mesh hashes of the made_by_ that are made from files
-  std::map<std::string, uint64_t> shown_hashes_;  ///< those of the newest show; 0 = the show has none
-  std::array<double, 8> pulled_{};                ///< values of the newest pull
+  std::map<std::string, uint64_t> missing_colliders_;
+  std::map<std::string, uint64_t>
+      mesh_hashes_;  ///< mesh hashes of the collider_commands_ that are made from files
+  std::map<std::string, uint64_t> show_mesh_hashes_;  ///< those of the newest show; 0 = the show has none
+  std::array<double, 8> last_pull_{};                 ///< values of the newest pull
   uint32_t resets_ = 0;
   std::optional<uint64_t> show_session_;  ///< session of the show applied last
   std::chrono::steady_clock::time_point show_due_{}, waits_since_ = std::chrono::steady_clock::now();
-  int news_ = 0;       ///< shows without hair received within tolerance since the hair
-  double behind_ = 0;  ///< s of simulation time to the newest show
-  bool said_wait_ = false, warned_wait_ = false, said_equal_ = false;
+  int shows_in_tolerance_ = 0;  ///< shows without hair received within tolerance since the hair
+  double show_lag_ = 0;         ///< s of simulation time to the newest show
+  bool logged_wait_ = false, warned_wait_ = false, logged_equal_ = false;
   bool has_own_hair_ = false;  ///< has cast and then stood still: a show without hair suffices
 
   Settings settings_;
   Publisher& publisher_;
-  RivalWatch rival_watch_;
+  ConflictDetector conflict_detector_;
   GroomDescription groom_;  ///< emptied by announce()
   BodyDescription body_;
   /// The motion of a collider by command, until its end.
@@ -181,18 +185,18 @@ class Daemon {
   size_t named_parts_;                   ///< the body's colliders are the first named_parts_
   ColliderMaker maker_;                  ///< makes the colliders that come from files
   bool waits_for_bodies_ = false;
-  std::map<BodyId, PoseTween> ways_;
+  std::map<BodyId, PoseTween> tweens_;
   uint32_t collider_revision_ = 0;
   std::shared_ptr<const SkinnedBody> skinned_;
   HeadMotion scene_motion_, motion_;
-  SteeredHead steered_head_;  ///< the source of motion_
+  HeadControl head_control_;  ///< the source of motion_
   Vec3 head_pivot_;           ///< m, the pivot of procedural motions
   Simulation simulation_;
   WindControl wind_;
   GuideFrame frame_;
   Status status_;
-  Measurement looked_;  ///< of the first looked_at_ strands, since the last status
-  size_t looked_at_ = 0;
+  Measurement measured_;  ///< of the first strands_measured_ strands, since the last status
+  size_t strands_measured_ = 0;
   std::vector<double> step_ms_;  ///< durations of the newest steps, a ring of kStepWindow
   size_t step_count_ = 0;
   double time_accumulator_ = 0;  ///< s of simulation time
@@ -209,7 +213,7 @@ class Daemon {
   std::deque<Steps> steps_;
   std::function<bool(const Simulation&)> takes_another_;
   double pull_until_ = 0;  ///< s of simulation time
-  std::set<std::string> told_void_;
+  std::set<std::string> unused_parameters_;
   std::function<void(Simulation&)> observer_;
 };
 

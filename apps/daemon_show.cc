@@ -21,7 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kShowPeriod{100};
-constexpr double kMostBehind = 1;  // s; a daemon farther from the show's time jumps to it
+constexpr double kMaxBehind = 1;  // s; a daemon farther from the show's time jumps to it
 constexpr size_t kPoseValues = 7, kPoseOfCommand = 2;
 constexpr size_t kAnswersRepeated = 16;
 
@@ -71,12 +71,12 @@ bool makes(const Command& command, const ShowEntry& entry) {
   return true;
 }
 
-SteeredHead steeredHeadOf(const ShowEntry& entry, const std::string& where) {
+HeadControl headControlOf(const ShowEntry& entry, const std::string& where) {
   checkCount(entry, 2 + 2 * kPoseValues, where);
-  SteeredHead steered;
+  HeadControl steered;
   const double kind = entry.values[0];
   if (kind != 0 && kind != 1 && kind != 2) throw Error("unknown kind of head motion", where, "");
-  steered.kind = static_cast<SteeredHead::Kind>(static_cast<int>(kind));
+  steered.kind = static_cast<HeadControl::Kind>(static_cast<int>(kind));
   steered.name = entry.name;
   steered.start = entry.values[1];
   steered.from = commandedPose(entry.values, 2, where);
@@ -84,7 +84,7 @@ SteeredHead steeredHeadOf(const ShowEntry& entry, const std::string& where) {
   return steered;
 }
 
-ShowEntry entryOf(const SteeredHead& steered) {
+ShowEntry entryOf(const HeadControl& steered) {
   ShowEntry entry{ShowKind::kHead, steered.name, {static_cast<double>(steered.kind), steered.start}};
   addPose(entry.values, steered.from);
   addPose(entry.values, steered.to);
@@ -92,7 +92,7 @@ ShowEntry entryOf(const SteeredHead& steered) {
 }
 
 ShowEntry entryOf(const WindControl::Ramp& way) {
-  ShowEntry entry{ShowKind::kWindWay, way.name, {static_cast<double>(way.parts), way.start, way.seconds}};
+  ShowEntry entry{ShowKind::kWindRamp, way.name, {static_cast<double>(way.parts), way.start, way.seconds}};
   addSource(entry.values, way.from);
   addSource(entry.values, way.to);
   return entry;
@@ -126,7 +126,7 @@ void Daemon::addColliderEntries(std::vector<ShowEntry>& entries) const {
   for (const auto& [name, id] : named_) {
     const bool free = !simulation_.body(id).follows_head;
     ShowEntry entry{ShowKind::kSceneCollider, name, {}};
-    if (const auto made = made_by_.find(name); made != made_by_.end()) {
+    if (const auto made = collider_commands_.find(name); made != collider_commands_.end()) {
       const Command& command = made->second;
       entry.kind =
           command.kind == CommandKind::kAddColliderFile ? ShowKind::kColliderFile : ShowKind::kCollider;
@@ -141,16 +141,16 @@ void Daemon::addColliderEntries(std::vector<ShowEntry>& entries) const {
     entries.push_back(std::move(entry));
     if (const auto mesh = mesh_hashes_.find(name); mesh != mesh_hashes_.end())
       entries.push_back(meshEntry(name, mesh->second));
-    const auto way = ways_.find(id);
-    if (way == ways_.end()) continue;
-    ShowEntry moves{ShowKind::kColliderWay, name, {way->second.start, way->second.seconds}};
+    const auto way = tweens_.find(id);
+    if (way == tweens_.end()) continue;
+    ShowEntry moves{ShowKind::kColliderMotion, name, {way->second.start, way->second.seconds}};
     addPose(moves.values, way->second.from);
     addPose(moves.values, way->second.to);
     entries.push_back(std::move(moves));
   }
 }
 
-Show Daemon::showNow(bool with_hair) {
+Show Daemon::makeShow(bool with_hair) {
   Show show;
   show.simulation_time = simulation_.time();
   show.entries = fingerprint_;
@@ -158,15 +158,15 @@ Show Daemon::showNow(bool with_hair) {
     show.entries.push_back({ShowKind::kParameter, name, values});
   for (const auto& [name, source] : wind_.sources())
     show.entries.push_back({ShowKind::kWindSource, name, windSourceValues(source)});
-  for (const WindControl::Ramp& way : wind_.ways()) show.entries.push_back(entryOf(way));
+  for (const WindControl::Ramp& way : wind_.tweens()) show.entries.push_back(entryOf(way));
   addColliderEntries(show.entries);
-  show.entries.push_back(entryOf(steered_head_));
+  show.entries.push_back(entryOf(head_control_));
   if (paused_) show.entries.push_back({ShowKind::kPaused, "", {}});
   for (const Steps& steps : steps_)
     show.entries.push_back(
         {ShowKind::kSteps, fmt::format("{}", steps.command), {static_cast<double>(steps.left)}});
   if (simulation_.pulledVertices() > 0) {
-    ShowEntry pull{ShowKind::kPull, "", {pulled_.begin(), pulled_.end()}};
+    ShowEntry pull{ShowKind::kPull, "", {last_pull_.begin(), last_pull_.end()}};
     pull.values.push_back(pull_until_);
     show.entries.push_back(std::move(pull));
   }
@@ -179,10 +179,10 @@ Show Daemon::showNow(bool with_hair) {
 
 void Daemon::publishShow(bool with_hair) {
   if (publisher_.castingState() != CastingState::kOwn || publisher_.sharers() == 0) return;
-  publisher_.publishShow(showNow(with_hair));
+  publisher_.publishShow(makeShow(with_hair));
 }
 
-void Daemon::tellShow() {
+void Daemon::publishShowIfDue() {
   if (publisher_.castingState() != CastingState::kOwn || publisher_.sharers() == 0) return;
   if (publisher_.wantsHair()) publishShow(true);
   if (Clock::now() < show_due_) return;
@@ -193,37 +193,37 @@ void Daemon::tellShow() {
 void Daemon::waitForShow() {
   spdlog::warn("groom {}: this daemon was suspended and lost its claim; it waits for the show",
                settings_.groom_id);
-  part_ = Part::kWaits;
+  share_state_ = ShareState::kWaiting;
   has_own_hair_ = true;
-  follows_ = said_wait_ = warned_wait_ = false;
+  is_following_ = logged_wait_ = warned_wait_ = false;
   waits_since_ = Clock::now();
-  held_.clear();
+  queued_commands_.clear();
 }
 
 bool Daemon::hasShow(CastingState turn) {
-  constexpr std::chrono::milliseconds kWorthSaying{500};
+  constexpr std::chrono::milliseconds kNotableWait{500};
   constexpr std::chrono::seconds kTooLong{10};
   if (turn == CastingState::kUnclaimed || turn == CastingState::kOwn) {
-    if (said_wait_)
+    if (logged_wait_)
       spdlog::warn("groom {} has no publisher any more and no show was received: this daemon {}",
                    settings_.groom_id,
                    has_own_hair_ ? "continues with its own hair" : "starts from the rest shape");
-    part_ = Part::kTakesPart;
+    share_state_ = ShareState::kParticipating;
     return true;
   }
   while (std::optional<Show> show = publisher_.takeShow()) {
     if (!show->hasHair() && !has_own_hair_) continue;
-    failure_ = errorTextOf([&] { goOnWith(*show); });
+    failure_ = errorTextOf([&] { restoreFrom(*show); });
     if (!failure_.empty()) return false;
     spdlog::info("continues the show of session {:016x} at {:.1f} s", show->session, show->simulation_time);
-    follows_ = true;
-    part_ = Part::kCatchesUp;
-    news_ = 0;
+    is_following_ = true;
+    share_state_ = ShareState::kCatchingUp;
+    shows_in_tolerance_ = 0;
     return true;
   }
   const auto waited = Clock::now() - waits_since_;
-  if (!said_wait_ && waited > kWorthSaying) {
-    said_wait_ = true;
+  if (!logged_wait_ && waited > kNotableWait) {
+    logged_wait_ = true;
     spdlog::info(
         "another daemon publishes groom {}: this daemon waits for its show and may take over after that",
         settings_.groom_id);
@@ -239,46 +239,50 @@ bool Daemon::hasShow(CastingState turn) {
 }
 
 void Daemon::followShow() {
-  follows_ = true;
+  is_following_ = true;
   while (std::optional<Command> command = publisher_.takeCommand()) {
     if (command->kind == CommandKind::kShutdown) shutdown_ = true;  // ends all sharers of the groom
-    if (held_.size() < kMaxQueuedCommands) held_.push_back(std::move(*command));
+    if (queued_commands_.size() < kMaxQueuedCommands) queued_commands_.push_back(std::move(*command));
   }
   while (std::optional<Show> show = publisher_.takeShow()) {
     if (show->hasHair()) continue;
-    failure_ = errorTextOf([&] { goOnWith(*show); });
+    failure_ = errorTextOf([&] { restoreFrom(*show); });
     if (!failure_.empty()) return;
-    std::erase_if(held_, [&](const Command& command) {
+    std::erase_if(queued_commands_, [&](const Command& command) {
       return std::any_of(answered_.begin(), answered_.end(),
                          [&](const auto& answer) { return answer.first == command.id; }) ||
              std::any_of(steps_.begin(), steps_.end(),
                          [&](const Steps& steps) { return steps.command == command.id; });
     });
     // The first shows after the hair may have been queued while this daemon was busy: their time is stale.
-    constexpr int kEnoughNews = 3;
-    const bool is_there = std::fabs(behind_) < 3 / settings_.rate && ++news_ >= kEnoughNews;
-    if (part_ == Part::kTakesPart && !missing_.empty()) {  // daemons with all colliders have precedence
-      part_ = Part::kCatchesUp;
+    constexpr int kMinShowsInTolerance = 3;
+    const bool is_there =
+        std::fabs(show_lag_) < 3 / settings_.rate && ++shows_in_tolerance_ >= kMinShowsInTolerance;
+    if (share_state_ == ShareState::kParticipating &&
+        !missing_colliders_.empty()) {  // daemons with all colliders have precedence
+      share_state_ = ShareState::kCatchingUp;
       publisher_.withdrawClaim();
     }
-    const bool is_ready = part_ == Part::kCatchesUp && is_there && !maker_.isBusy() && missing_.empty();
+    const bool is_ready =
+        share_state_ == ShareState::kCatchingUp && is_there && !maker_.isBusy() && missing_colliders_.empty();
     if (is_ready && publisher_.yields()) {
-      if (!std::exchange(said_equal_, true))
+      if (!std::exchange(logged_equal_, true))
         spdlog::info(
             "the publishing daemon of groom {} has an equal claim: this daemon publishes when that daemon "
             "ends",
             settings_.groom_id);
     } else if (is_ready) {
-      part_ = Part::kTakesPart;
+      share_state_ = ShareState::kParticipating;
     }
   }
 }
 
-void Daemon::takeOver() {
-  follows_ = false;
-  part_ = Part::kTakesPart;
+void Daemon::becomeCaster() {
+  is_following_ = false;
+  share_state_ = ShareState::kParticipating;
   spdlog::info("takes over groom {} at {:.1f} s", settings_.groom_id, simulation_.time());
-  for (const auto& [name, mesh] : missing_) spdlog::warn("the show continues without collider {}", name);
+  for (const auto& [name, mesh] : missing_colliders_)
+    spdlog::warn("the show continues without collider {}", name);
   // The senders of these commands may not have received the answers.
   const size_t repeated = std::min(answered_.size(), kAnswersRepeated);
   for (auto answer = answered_.end() - static_cast<ptrdiff_t>(repeated); answer != answered_.end();
@@ -287,10 +291,10 @@ void Daemon::takeOver() {
     status_.last_command_error = answer->second;
     publisher_.publishStatus(status_);
   }
-  for (const Command& command : std::exchange(held_, {})) execute(command);
+  for (const Command& command : std::exchange(queued_commands_, {})) execute(command);
 }
 
-void Daemon::goOnWith(const Show& show) {
+void Daemon::restoreFrom(const Show& show) {
   const std::string where = whereOf(show);
   const std::string difference = differenceOf(fingerprint_, show.entries);
   if (!difference.empty())
@@ -301,8 +305,8 @@ void Daemon::goOnWith(const Show& show) {
         "start daemons that --claim one groom with the same scene and options, or choose another --groom-id");
   Parameters parameters = simulation_.parameters();
   std::vector<NamedWindSource> sources;
-  std::vector<WindControl::Ramp> wind_ways;
-  SteeredHead steered;
+  std::vector<WindControl::Ramp> wind_tweens;
+  HeadControl steered;
   const ShowEntry* pull = nullptr;
   uint32_t resets = 0;
   paused_ = false;
@@ -316,18 +320,18 @@ void Daemon::goOnWith(const Show& show) {
       case ShowKind::kWindSource:
         sources.push_back({entry.name, windSourceOf(entry.values, where)});
         break;
-      case ShowKind::kWindWay:
-        wind_ways.push_back(windRampOf(entry, where));
+      case ShowKind::kWindRamp:
+        wind_tweens.push_back(windRampOf(entry, where));
         break;
       case ShowKind::kHead:
-        steered = steeredHeadOf(entry, where);
+        steered = headControlOf(entry, where);
         break;
       case ShowKind::kPaused:
         paused_ = true;
         break;
       case ShowKind::kSteps: {
         checkCount(entry, 1, where);
-        const int left = static_cast<int>(std::clamp(entry.values[0], 1.0, double{kMostSteps}));
+        const int left = static_cast<int>(std::clamp(entry.values[0], 1.0, double{kMaxRequestedSteps}));
         steps_.push_back({numbered(entry).first, fmt::format("strandcast ctl step {}", left), left});
         break;
       }
@@ -343,24 +347,24 @@ void Daemon::goOnWith(const Show& show) {
         answered_.push_back(numbered(entry));
         break;
       default:
-        break;  // colliders: see takeColliders()
+        break;  // colliders: see applyColliders()
     }
   }
   if (namedValues(parameterTable(parameters)) != namedValues(parameterTable(simulation_.parameters())))
     simulation_.setParameters(parameters);
-  wind_.goOnWith(std::move(sources), std::move(wind_ways), where);
-  if (!(steered == steered_head_)) steerHead(steered);
-  takeColliders(show);
+  wind_.restoreFrom(std::move(sources), std::move(wind_tweens), where);
+  if (!(steered == head_control_)) setHeadControl(steered);
+  applyColliders(show);
   const bool is_new = show_session_ != show.session;
   if (show.hasHair()) {
-    moveTo(skinned_.get(), show.simulation_time, motion_(show.simulation_time - steered_head_.start),
+    moveTo(skinned_.get(), show.simulation_time, motion_(show.simulation_time - head_control_.start),
            simulation_);
-    goOnWithWays(show.simulation_time);
+    advanceColliderMotions(show.simulation_time);
     simulation_.resumeFrom(show.hair, show.simulation_time);
     time_accumulator_ = 0;
   } else {
     if (!is_new && resets != resets_) reset();
-    keepTime(show.simulation_time);
+    syncTime(show.simulation_time);
   }
   resets_ = resets;
   show_session_ = show.session;
@@ -368,7 +372,7 @@ void Daemon::goOnWith(const Show& show) {
     simulation_.releaseHair();
   } else {
     const auto& v = pull->values;
-    std::copy_n(v.begin(), pulled_.size(), pulled_.begin());
+    std::copy_n(v.begin(), last_pull_.size(), last_pull_.begin());
     const auto at = [&](size_t i) { return Vec3(Eigen::Vector3d(v[i], v[i + 1], v[i + 2]).cast<float>()); };
     simulation_.pullHair(at(0), static_cast<float>(v[3]), at(4), static_cast<float>(v[7]));
     pull_until_ = v[8];
@@ -376,18 +380,18 @@ void Daemon::goOnWith(const Show& show) {
   fillStatus();
 }
 
-void Daemon::keepTime(double time) {
-  const double behind = behind_ = time - simulation_.time();
+void Daemon::syncTime(double time) {
+  const double behind = show_lag_ = time - simulation_.time();
   time_accumulator_ = paused_ ? behind : behind - 1 / settings_.rate;  // the current frame adds one interval
-  if (std::fabs(behind) <= kMostBehind) return;
+  if (std::fabs(behind) <= kMaxBehind) return;
   // This machine is too slow, or stood still: its hair continues from its present state at the show's time.
-  moveTo(skinned_.get(), time, motion_(time - steered_head_.start), simulation_);
-  goOnWithWays(time);
+  moveTo(skinned_.get(), time, motion_(time - head_control_.start), simulation_);
+  advanceColliderMotions(time);
   simulation_.resumeFrom(simulation_.state(), time);
   time_accumulator_ = 0;
 }
 
-void Daemon::takeColliders(const Show& show) {
+void Daemon::applyColliders(const Show& show) {
   const std::string where = whereOf(show);
   bool changed = false;
   const auto entryFor = [&](const std::string& name) {
@@ -396,61 +400,61 @@ void Daemon::takeColliders(const Show& show) {
   };
   for (auto known = named_.begin(); known != named_.end();) {
     const auto entry = entryFor(known->first);
-    const auto made = made_by_.find(known->first);
+    const auto made = collider_commands_.find(known->first);
     const bool stays =
         entry != show.entries.end() &&
-        (made == made_by_.end() ? entry->kind == ShowKind::kSceneCollider
-                                : makes(made->second, *entry) && hasMeshOf(show, known->first));
+        (made == collider_commands_.end() ? entry->kind == ShowKind::kSceneCollider
+                                          : makes(made->second, *entry) && hasMeshOf(show, known->first));
     if (stays) {
       ++known;
       continue;
     }
     simulation_.removeBody(known->second);
-    ways_.erase(known->second);
-    if (made != made_by_.end()) made_by_.erase(made);
+    tweens_.erase(known->second);
+    if (made != collider_commands_.end()) collider_commands_.erase(made);
     mesh_hashes_.erase(known->first);
     known = named_.erase(known);
     changed = true;
   }
-  for (auto missing = missing_.begin(); missing != missing_.end();) {
+  for (auto missing = missing_colliders_.begin(); missing != missing_colliders_.end();) {
     const bool is_same = entryFor(missing->first) != show.entries.end() &&
                          meshHashIn(show.entries, missing->first) == missing->second;
-    missing = is_same ? std::next(missing) : missing_.erase(missing);
+    missing = is_same ? std::next(missing) : missing_colliders_.erase(missing);
   }
-  shown_hashes_.clear();
+  show_mesh_hashes_.clear();
   for (const ShowEntry& entry : show.entries)
     if (entry.kind == ShowKind::kColliderFile)
-      shown_hashes_[nameOf(entry)] = meshHashIn(show.entries, nameOf(entry));
+      show_mesh_hashes_[nameOf(entry)] = meshHashIn(show.entries, nameOf(entry));
   const size_t before = simulation_.bodies();
   for (const ShowEntry& entry : show.entries)
-    if (isCollider(entry)) takeCollider(entry);
+    if (isCollider(entry)) applyCollider(entry);
   changed = changed || simulation_.bodies() != before;
-  std::map<BodyId, PoseTween> ways;
+  std::map<BodyId, PoseTween> tweens;
   for (const ShowEntry& entry : show.entries) {
     const auto known = named_.find(entry.name);
-    if (entry.kind != ShowKind::kColliderWay || known == named_.end()) continue;
+    if (entry.kind != ShowKind::kColliderMotion || known == named_.end()) continue;
     checkCount(entry, 2 + 2 * kPoseValues, where);
     if (simulation_.body(known->second).follows_head) continue;
-    ways[known->second] = {commandedPose(entry.values, 2, where),
-                           commandedPose(entry.values, 2 + kPoseValues, where), entry.values[0],
-                           entry.values[1]};
+    tweens[known->second] = {commandedPose(entry.values, 2, where),
+                             commandedPose(entry.values, 2 + kPoseValues, where), entry.values[0],
+                             entry.values[1]};
   }
   for (const ShowEntry& entry : show.entries) {
     const auto known = isCollider(entry) ? named_.find(nameOf(entry)) : named_.end();
-    if (known == named_.end() || ways.contains(known->second)) continue;
+    if (known == named_.end() || tweens.contains(known->second)) continue;
     if (simulation_.body(known->second).follows_head || (skinned_ && skinned_->jointOf(known->second)))
       continue;
     const size_t first = entry.kind == ShowKind::kSceneCollider ? 0 : kPoseOfCommand;
     if (entry.values.size() >= first + kPoseValues)
       simulation_.setBodyPose(known->second, commandedPose(entry.values, first, where));
   }
-  ways_ = std::move(ways);
+  tweens_ = std::move(tweens);
   if (changed) announceColliders();
 }
 
-void Daemon::takeCollider(const ShowEntry& entry) {
+void Daemon::applyCollider(const ShowEntry& entry) {
   const std::string name = nameOf(entry);
-  if (named_.contains(name) || maker_.makes(name) || missing_.contains(name)) return;
+  if (named_.contains(name) || maker_.makes(name) || missing_colliders_.contains(name)) return;
   Command command;
   command.groom_id = settings_.groom_id;
   command.id = newSession();
@@ -461,7 +465,7 @@ void Daemon::takeCollider(const ShowEntry& entry) {
       throw Error("collider '" + name + "' of the scene was removed here", "the show", "");
     if (entry.kind == ShowKind::kColliderFile) {
       command.kind = CommandKind::kAddColliderFile;
-      of_show_[command.id] = entry;
+      show_entries_[command.id] = entry;
       addColliderFile(command, "collider " + name + " of the show");
     } else {
       command.kind = CommandKind::kAddCollider;
@@ -469,13 +473,13 @@ void Daemon::takeCollider(const ShowEntry& entry) {
     }
   });
   if (refusal.empty()) return;
-  of_show_.erase(command.id);
-  noteMade(entry, refusal);
+  show_entries_.erase(command.id);
+  recordMissingCollider(entry, refusal);
 }
 
 void Daemon::checkMesh(const ColliderMaker::Made& made) const {
-  const auto shown = shown_hashes_.find(made.name);
-  if (shown == shown_hashes_.end() || shown->second == 0 || shown->second == made.mesh_hash) return;
+  const auto shown = show_mesh_hashes_.find(made.name);
+  if (shown == show_mesh_hashes_.end() || shown->second == 0 || shown->second == made.mesh_hash) return;
   throw Error("the file's mesh differs from the publishing daemon's", made.where,
               "copy the publishing daemon's file into this daemon's --collider-folder, then remove the "
               "collider and add it again");
@@ -487,10 +491,10 @@ bool Daemon::hasMeshOf(const Show& show, const std::string& collider) const {
   return own == mesh_hashes_.end() || shown == 0 || own->second == shown;
 }
 
-void Daemon::noteMade(const ShowEntry& entry, const std::string& refusal) {
+void Daemon::recordMissingCollider(const ShowEntry& entry, const std::string& refusal) {
   if (refusal.empty()) return;
-  const auto shown = shown_hashes_.find(nameOf(entry));
-  missing_[nameOf(entry)] = shown == shown_hashes_.end() ? 0 : shown->second;
+  const auto shown = show_mesh_hashes_.find(nameOf(entry));
+  missing_colliders_[nameOf(entry)] = shown == show_mesh_hashes_.end() ? 0 : shown->second;
   spdlog::warn("this daemon lacks a collider of the show, and takes over only if no other daemon can: {}",
                refusal);
 }

@@ -16,7 +16,7 @@ constexpr double kPause = 1;        // s for which the simulation time stands st
 
 std::shared_ptr<const GuideFrame> between(const GuideFrame& a, const GuideFrame& b, double time) {
   auto mixed = std::make_shared<GuideFrame>();
-  mixFrames(a, b, time, *mixed);
+  interpolateFrames(a, b, time, *mixed);
   return mixed;
 }
 
@@ -101,7 +101,7 @@ void FrameCapture::run() {
           fits_last && time < frame->simulation_time - kSameTime && time > before->simulation_time;
       if (keep({is_between ? between(*before, *frame, time) : frame, scene})) {
         ++captured;
-      } else if (passed_over_++ == 0) {
+      } else if (skipped_frames_++ == 0) {
         spdlog::warn("drawing is slower than the stream, and {} MiB of frames wait: some are skipped",
                      plan_.room >> 20);
       }

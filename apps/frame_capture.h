@@ -38,7 +38,7 @@ class FrameCapture {
   /// before `skip`.
   bool isPaused() const { return is_paused_; }
   /// Number of frames dropped because the queue was full.
-  int passedOver() const { return passed_over_; }
+  int skippedFrames() const { return skipped_frames_; }
 
  private:
   void run();
@@ -51,7 +51,7 @@ class FrameCapture {
   std::deque<CapturedFrame> queue_;
   size_t held_ = 0;  ///< bytes, in queue_
   bool done_ = false;
-  std::atomic<int> passed_over_{0};
+  std::atomic<int> skipped_frames_{0};
   std::atomic<bool> is_paused_{false}, stop_{false};
   std::thread thread_;
 };

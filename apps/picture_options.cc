@@ -77,7 +77,7 @@ void addPictureOptions(CLI::App& app, PictureOptions& options) {
       {"Growth", "hairs grown from the guides"},
       {"Light", fmt::format("lights: each --light after the first adds one, {} at most; the options after a "
                             "--light apply to it",
-                            kMostLights)},
+                            kMaxLights)},
       {"Shadow", "deep opacity maps of the hair and a depth map of the body"},
       {"Marks", "overlays for debugging"}};
   const auto arguments = std::make_shared<PictureArguments>(options);
@@ -122,7 +122,7 @@ void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescr
 namespace {
 
 /// Whether colliders are parts of a skinned body, which the renderer draws at the colliders' poses.
-bool carryTheBody(const ColliderSet* colliders) {
+bool haveBodyParts(const ColliderSet* colliders) {
   if (colliders == nullptr) return false;
   for (const Collider& collider : colliders->colliders)
     for (const ContactPrimitive& shape : collider.shapes)
@@ -134,7 +134,7 @@ bool carryTheBody(const ColliderSet* colliders) {
 
 bool needsObstacles(const PictureOptions& options, const ColliderSet* colliders) {
   const RenderSettings& settings = options.settings;
-  return settings.keep_out || settings.marks.needBodies() || carryTheBody(colliders);
+  return settings.keep_out || settings.marks.needBodies() || haveBodyParts(colliders);
 }
 
 void setObstacles(Renderer& renderer, const PictureOptions& options, const ColliderSet* colliders,

@@ -235,7 +235,7 @@ void addLights(std::vector<PictureSetting>& list) {
   list.push_back(vector(group, "light-direction", "", -1, 1,
                         "direction in which the light travels; of a spot, its axis; not used by point",
                         AT(settings.lights[o.light].direction)));
-  list.back().is_way = true;
+  list.back().is_direction = true;
   list.push_back(vector(group, "light-position", "m", -1000, 1000,
                         "position of a point or spot light, Y up; shadows fade from 65 to 75 degrees off the "
                         "direction to the middle of the hair",
@@ -330,7 +330,7 @@ void setPicture(PictureOptions& options, const PictureSetting& setting, const st
     if (!std::isfinite(v) || v < info.low || v > info.high || (info.whole && std::fmod(v, 1) != 0))
       throw Error(fmt::format("'{}' = {} is out of range", info.name, v), where,
                   fmt::format("give {}{} {}", info.whole ? "a whole number, " : "", info.range, info.unit));
-  if (setting.is_way && std::ranges::all_of(values, [](double v) { return std::abs(v) < 1e-6; }))
+  if (setting.is_direction && std::ranges::all_of(values, [](double v) { return std::abs(v) < 1e-6; }))
     throw Error(fmt::format("'{}' has no direction", info.name), where, "give one that is not 0 0 0");
   setting.set(options, values);
 }
@@ -346,8 +346,8 @@ std::vector<double> choiceNamed(const PictureSetting& setting, const std::string
 
 void addLight(PictureOptions& options, const std::string& where) {
   std::vector<Light>& lights = options.settings.lights;
-  if (lights.size() >= kMostLights)
-    throw Error(fmt::format("a picture has at most {} lights", kMostLights), where, "leave one out");
+  if (lights.size() >= kMaxLights)
+    throw Error(fmt::format("a picture has at most {} lights", kMaxLights), where, "leave one out");
   options.light = lights.size();
   lights.emplace_back();
 }

@@ -34,8 +34,8 @@ struct PictureSetting {
   std::function<std::vector<double>(const PictureOptions&)> get{};
   std::function<void(PictureOptions&, const std::vector<double>&)> set{};  ///< does not check the values
   std::filesystem::path PictureOptions::*file = nullptr;
-  bool of_light = false;  ///< "light" is its kind, others start with "light-"
-  bool is_way = false;    ///< a direction of any length but 0
+  bool of_light = false;      ///< "light" is its kind, others start with "light-"
+  bool is_direction = false;  ///< a direction of any length but 0
 };
 /// All settings; those of a group are contiguous.
 const std::vector<PictureSetting>& pictureSettings();
@@ -49,7 +49,7 @@ void setPicture(PictureOptions& options, const PictureSetting& setting, const st
 std::vector<double> choiceNamed(const PictureSetting& setting, const std::string& choice,
                                 const std::string& where);
 
-/// Adds a default light and selects it. Throws Error, naming `where`, beyond kMostLights.
+/// Adds a default light and selects it. Throws Error, naming `where`, beyond kMaxLights.
 void addLight(PictureOptions& options, const std::string& where);
 
 /// The settings with the maps that the options name loaded. Throws Error where one cannot be read.

@@ -17,11 +17,11 @@ namespace strandcast {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kLook = 0.004;          // s, between polls for commands
+constexpr double kPollInterval = 0.004;  // s, between polls for commands
 constexpr double kStillInterval = 0.25;  // s: interval at which a still frame is repeated for late joiners
 constexpr double kMovedInterval = 1.0 / 60;  // s, between frames that are not consecutive
 
-constexpr double kMostLate = 0.1;  // s, delay beyond which the schedule restarts
+constexpr double kMaxDelay = 0.1;  // s, delay beyond which the schedule restarts
 
 Clock::duration durationOf(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -48,7 +48,7 @@ void checkReplay(const Recording& recording, const ReplayOptions& options) {
 
 Replay::Replay(Recording& recording, Publisher& publisher, uint32_t groom_id, uint64_t session,
                const ReplayOptions& options)
-    : recording_(recording), publisher_(publisher), rival_watch_(groom_id), options_(options) {
+    : recording_(recording), publisher_(publisher), conflict_detector_(groom_id), options_(options) {
   frame_.groom_id = status_.groom_id = groom_id;
   frame_.session = status_.session = session;
   status_.backend = "replay";
@@ -149,7 +149,8 @@ void Replay::publishStatus() {
   fillStatus();
   publisher_.publishStatus(status_);
   summary_.failure =
-      rival_watch_.look(publisher_, status_.session, status_.frames, Clock::now() - cast_since_).value_or("");
+      conflict_detector_.check(publisher_, status_.session, status_.frames, Clock::now() - cast_since_)
+          .value_or("");
 }
 
 ReplaySummary Replay::run(const std::atomic<bool>& stop) {
@@ -187,7 +188,7 @@ ReplaySummary Replay::run(const std::atomic<bool>& stop) {
       if (waited >= due) {
         show(next, due);
         // A machine that is too slow falls behind; it does not hurry afterwards.
-        shown = waited > due + kMostLate ? Clock::now() : shown + durationOf(due);
+        shown = waited > due + kMaxDelay ? Clock::now() : shown + durationOf(due);
       }
     }
     if (Clock::now() >= status_due) {
@@ -195,7 +196,7 @@ ReplaySummary Replay::run(const std::atomic<bool>& stop) {
       status_due = Clock::now() + durationOf(kStatusInterval);
     }
     // Clamp seconds before converting: the gap after a recorded pause may exceed the clock's range.
-    std::this_thread::sleep_for(durationOf(std::clamp(due - secondsSince(shown), 0.0, kLook)));
+    std::this_thread::sleep_for(durationOf(std::clamp(due - secondsSince(shown), 0.0, kPollInterval)));
   }
   publishStatus();
   summary_.seconds = secondsSince(start);

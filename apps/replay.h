@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "apps/rival_watch.h"
+#include "apps/conflict_detector.h"
 #include "transport/publisher.h"
 #include "transport/recording/recording.h"
 
@@ -57,7 +57,7 @@ class Replay {
 
   Recording& recording_;
   Publisher& publisher_;
-  RivalWatch rival_watch_;
+  ConflictDetector conflict_detector_;
   ReplayOptions options_;
   RecordedFrame read_;
   GuideFrame frame_;

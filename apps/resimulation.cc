@@ -118,7 +118,7 @@ class RecordedInputs final : public Publisher {
   void publishStatus(const Status&) override {}
   uint32_t matchedReaders() const override { return 0; }
   EncodingReport encoding() const override { return {}; }
-  std::optional<Rival> rival() const override { return std::nullopt; }
+  std::optional<ConflictingDaemon> conflict() const override { return std::nullopt; }
 
   uint64_t session() const { return next_.frame->session; }
   double time() const { return next_.frame->simulation_time; }

@@ -12,7 +12,7 @@
 
 #include "apps/backends.h"
 #include "apps/console.h"
-#include "apps/hair_outlook.h"
+#include "apps/hair_estimate.h"
 #include "apps/interrupt.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend.h"
@@ -81,11 +81,11 @@ std::string countByPart(const Scene& scene, std::span<const uint32_t> strands) {
 }
 
 /// Logs the estimate before the work begins.
-void tellOutlook(const Scene& scene, const Settings& settings) {
-  const HairOutlook outlook = outlookOfModel(scene, settings);
-  if (outlook.isWorthSaying())
-    spdlog::info("{}: the model of {} strands, {} vertices takes {}", scene.name, outlook.strands,
-                 outlook.vertices, outlook.text());
+void logEstimate(const Scene& scene, const Settings& settings) {
+  const HairEstimate estimate = estimateOfModel(scene, settings);
+  if (estimate.isNotable())
+    spdlog::info("{}: the model of {} strands, {} vertices takes {}", scene.name, estimate.strands,
+                 estimate.vertices, estimate.text());
 }
 
 StrandModel modelOf(const Scene& scene, const Settings& settings, const Vec3& gravity, ProgressBar& bar) {
@@ -123,7 +123,7 @@ Simulation makeSimulation(const Scene& scene, const Settings& settings) {
   std::unique_ptr<ExternalForces> air_system;
   if (backend->takesAccelerations())
     air_system = airOf(backend->name(), settings.threads).make(withoutNames(settings.wind_sources));
-  tellOutlook(scene, settings);
+  logEstimate(scene, settings);
   ProgressBar bar;
   StrandModel model = modelOf(scene, settings, parameters.gravity, bar);
   bar.show("loading the backend", 0.95);

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/number_range.h"
-#include "apps/void_settings.h"
+#include "apps/unused_settings.h"
 #include "core/error.h"
 #include "transport/dds.h"
 
@@ -207,7 +207,7 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
 void checkNetworkOptions(const CLI::App& app, Settings& settings) {
   for (const auto& [option, key] : kOptionKeys)
     if (std::string(key).starts_with("transport.") && isGivenTo(app, option)) settings.given[key] = option;
-  refuseVoidNetwork(settings);
+  checkUnusedNetworkSettings(settings);
 }
 
 SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), use_(use) {
@@ -347,7 +347,7 @@ Settings SettingsOptions::resolve() const {
   Settings config;
   if (!config_.empty()) readConfig(config_, config);
   Settings settings = over(std::move(config));
-  for (std::string& line : checkVoidSettings(settings, use_ == SettingsUse::kCompare))
+  for (std::string& line : checkUnusedSettings(settings, use_ == SettingsUse::kCompare))
     settings.warnings.push_back(std::move(line));
   for (const std::string& note : settings.notes) spdlog::info("{}", note);
   for (const std::string& warning : settings.warnings) spdlog::warn("{}", warning);
@@ -375,7 +375,7 @@ void SettingsOptions::refuseEmptyNames() const {
     if (is_empty && isGiven(option)) throw Error(reason, option, remedy);
 }
 
-void SettingsOptions::noteGiven(Settings& out) const {
+void SettingsOptions::recordOrigins(Settings& out) const {
   const struct {
     const char* option;
     std::vector<const char*> replaced;
@@ -463,7 +463,7 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--key-interval", out.codec.key_interval, given_.codec.key_interval);
   out.codec.threads = out.threads;
   refuseEmptyNames();
-  noteGiven(out);
+  recordOrigins(out);
   for (const std::string& text : material_) {
     out.scene.materials.push_back(parseMaterial(text));
     for (const MaterialRule::Setting& setting : out.scene.materials.back().settings)

@@ -64,7 +64,7 @@ class SettingsOptions {
  public:
   explicit SettingsOptions(CLI::App& app, SettingsUse use = SettingsUse::kCast);
   /// After parsing: reads the --config file, then applies the options over it. Settings without effect beside
-  /// others are refused or logged (apps/void_settings.h). Throws Error (file, line, key).
+  /// others are refused or logged (apps/unused_settings.h). Throws Error (file, line, key).
   Settings resolve() const;
   /// The same with this text in place of the --config file, for settings that have run before: settings
   /// without effect are neither refused nor logged.
@@ -85,7 +85,7 @@ class SettingsOptions {
   bool isGiven(const char* option) const;
   void refuseEmptyNames() const;
   /// Records the options in settings.given; entries of the file that options override are removed.
-  void noteGiven(Settings& settings) const;
+  void recordOrigins(Settings& settings) const;
 
   CLI::App& app_;
   const SettingsUse use_;

@@ -32,7 +32,7 @@ void ShakeTrial::step() {
   const double end = simulation_.time() + static_cast<double>(simulation_.parameters().time_step);
   moveTo(skinned_.get(), end, motion_(end), simulation_);
   simulation_.step();
-  result_.strands_reset += simulation_.resetBroken();  // synchronises with the backend
+  result_.strands_reset += simulation_.resetDiverged();  // synchronises with the backend
   step_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
 
   const Measurement now = simulation_.measure();

@@ -12,7 +12,7 @@
 #include "apps/recorded_air.h"
 #include "apps/resimulation.h"
 #include "apps/settings.h"
-#include "apps/void_settings.h"
+#include "apps/unused_settings.h"
 #include "core/error.h"
 #include "transport/recording/record_file.h"
 #include "transport/recording/recorder.h"
@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
     if (claims->count() > 0) {
       settings.claim = claim;
       settings.given["claim"] = "--claim";
-      refuseVoidNetwork(settings);
+      checkUnusedNetworkSettings(settings);
     }
     if (!settings.collider_folder.empty() && !std::filesystem::is_directory(settings.collider_folder))
       throw Error("the collider folder is not there", settings.collider_folder.string(),

@@ -30,14 +30,14 @@ size_t endOfString(const std::string& text, size_t at) {
 
 /// toml++ recurses once per part of a dotted key: very many parts overflow the stack.
 void refuseLongKeys(const std::string& text, const std::string& name) {
-  constexpr int kMostParts = 64;
+  constexpr int kMaxParts = 64;
   const std::string ends_of_keys = "\n=,[]{}";
   int line = 1, parts = 1;
   for (size_t i = 0; i < text.size();) {
     const char c = text[i];
     if (ends_of_keys.find(c) != std::string::npos) parts = 1;
-    if (c == '.' && ++parts > kMostParts)
-      throw Error(fmt::format("a key has more than {} parts", kMostParts),
+    if (c == '.' && ++parts > kMaxParts)
+      throw Error(fmt::format("a key has more than {} parts", kMaxParts),
                   fmt::format("{} line {}", name, line), "is it the right file?");
     const size_t end = c == '#'                ? std::min(text.find('\n', i), text.size())
                        : c == '"' || c == '\'' ? endOfString(text, i)

@@ -101,7 +101,7 @@ Report report(const BakeOptions& o, const Box& box, const FieldBaker& baker, con
   out.addCount("hollow_pieces", "  taken as hollows inside others", baker.repair().hollows);
   out.addCount("hidden_triangles", "triangles with inside on both sides", baker.hiddenTriangles());
   out.addCount("open_edges", "open edges", baker.mesh().open_edges.size());
-  out.add("doubtful_percent", "side in doubt", 100 * baker.shareInDoubt(), "% of the surface", 2);
+  out.add("doubtful_percent", "side in doubt", 100 * baker.uncertainShare(), "% of the surface", 2);
   out.add("unclear_percent", "side in doubt (winding number near 0.5)", share * a.unclear, "% of the band",
           2);
   out.add("cell_mm", "cell", 1e3 * grid.cell, "mm", 3);
@@ -132,7 +132,7 @@ int bake(BakeOptions o) {
   if (!o.slices.empty()) slices.emplace(o.slices);
   const ReadMesh body = loadMesh(o.file, read);
   if (!body.report.left_out.empty())
-    fmt::print(stderr, "note: {}: read {}\n", o.file, body.report.leftOutLine());
+    fmt::print(stderr, "note: {}: read {}\n", o.file, body.report.omissionsLine());
   for (const std::string& warning : body.report.warnings)
     fmt::print(stderr, "warning: {}: {}\n", o.file, warning);
   const TriangleMesh& mesh = body.mesh;

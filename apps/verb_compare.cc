@@ -17,8 +17,8 @@
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/shake_trial.h"
+#include "apps/unused_picture_options.h"
 #include "apps/verbs.h"
-#include "apps/void_picture.h"
 #include "gl/context.h"
 
 namespace strandcast {
@@ -160,7 +160,7 @@ void report(const CompareOptions& o, const Scene& scene, std::deque<ShakeTrial>&
 
 int compare(const CompareOptions& o) {
   Settings settings = o.settings->resolve();
-  if (!o.no_pictures) warnOfVoidPicture(o.picture);
+  if (!o.no_pictures) warnOfUnusedPictureOptions(o.picture);
   if (settings.scene.motion.empty()) settings.scene.motion = "shake";
   if (o.movie_option->count() > 0) checkMovie(o.movie);
   std::optional<PictureFolder> folder;

@@ -66,7 +66,7 @@ int convert(const ConvertOptions& o) {
   if (unit_meters == 0 && lowerExtension(o.out) == ".usda")
     spdlog::warn("{}: {} does not give its unit; readers assume centimetres; give --unit-meters", o.out,
                  o.in);
-  const std::vector<std::string> left_out = leftOutOf(o.out, strands);
+  const std::vector<std::string> left_out = omissionsOf(o.out, strands);
   if (!left_out.empty())
     spdlog::warn("{}: this format has no {}; {} has", o.out, fmt::join(left_out, " and no "), o.in);
   if (!report.left_out.empty())

@@ -20,8 +20,8 @@
 #include "apps/daemon.h"
 #include "apps/interrupt.h"
 #include "apps/number_range.h"
+#include "apps/unused_settings.h"
 #include "apps/verbs.h"
-#include "apps/void_settings.h"
 #include "apps/wind_control.h"
 #include "core/error.h"
 #include "core/name_lookup.h"
@@ -74,11 +74,11 @@ bool waitUntil(double seconds, const std::function<bool()>& ready) {
 
 /// The warning where the daemon's status says that the parameter set by the command has no effect; else
 /// empty.
-std::string voidOf(const Command& command, const std::optional<Status>& status) {
+std::string unusedNoteOf(const Command& command, const std::optional<Status>& status) {
   if (command.kind != CommandKind::kSetParameter || !status) return {};
-  for (const auto& [name, values] : toldOf(status->parameters, kToldVoid)) {
+  for (const auto& [name, values] : entriesOf(status->parameters, kUnusedEntry)) {
     if (name != command.name) continue;
-    const std::string need = needOf(name);
+    const std::string need = conditionOf(name);
     return fmt::format("parameter '{}' is set, but has no effect with the present values of the others{}",
                        name, need.empty() ? "" : ": " + need);
   }
@@ -87,14 +87,14 @@ std::string voidOf(const Command& command, const std::optional<Status>& status) 
 
 int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
                 const std::vector<double>& values) {
-  const std::unique_ptr<Subscriber> subscriber = steer(o.network);
+  const std::unique_ptr<Subscriber> subscriber = joinForCommands(o.network);
   Command command;
   command.groom_id = o.network.groom_id;
   command.id = newSession();
   command.kind = kind;
   command.name = name;
   command.values = values;
-  AnswerWait wait(o.timeout, kind == CommandKind::kStep ? kMostSteps : 0);
+  AnswerWait wait(o.timeout, kind == CommandKind::kStep ? kMaxRequestedSteps : 0);
   const std::optional<std::string> refusal = ask(*subscriber, command, [&] {
     if (g_interrupted) throw Interrupted();
     return wait.isOver(subscriber->status());
@@ -108,7 +108,7 @@ int sendCommand(const CtlOptions& o, CommandKind kind, const std::string& name,
                     : "see `strandcast ctl list`");
   if (!refusal->empty()) throw Error("the daemon refused", *refusal, "");
   nlohmann::json answer = {{"command", command.id}, {"accepted", true}};
-  if (const std::string doubt = voidOf(command, subscriber->status()); !doubt.empty()) {
+  if (const std::string doubt = unusedNoteOf(command, subscriber->status()); !doubt.empty()) {
     spdlog::warn("{}", doubt);
     answer["warning"] = doubt;
   }
@@ -135,7 +135,7 @@ std::string numberText(double value) { return fmt::format("{}", static_cast<floa
 
 nlohmann::json parametersJson(const Status& s) {
   nlohmann::json all = nlohmann::json::object();
-  for (const auto& [name, values] : toldOf(s.parameters, "")) {
+  for (const auto& [name, values] : entriesOf(s.parameters, "")) {
     nlohmann::json numbers = nlohmann::json::array();
     for (const double value : values) numbers.push_back(nlohmann::json::parse(numberText(value)));
     all[name] = values.size() == 1 ? numbers[0] : numbers;
@@ -172,7 +172,7 @@ nlohmann::json toJson(const Status& s) {
 }
 
 int list(const CtlOptions& o) {
-  const std::unique_ptr<Subscriber> subscriber = steer(o.network);
+  const std::unique_ptr<Subscriber> subscriber = joinForCommands(o.network);
   waitUntil(std::min(o.timeout, 1.5), [] { return false; });  // every daemon publishes a status twice a
                                                               // second
   const std::vector<Status> all = subscriber->allStatuses();
@@ -207,7 +207,7 @@ Status statusOf(const CtlOptions& o, const Subscriber& subscriber) {
 }
 
 int printStatus(const CtlOptions& o) {
-  const Status status = statusOf(o, *steer(o.network));
+  const Status status = statusOf(o, *joinForCommands(o.network));
   nlohmann::json object = toJson(status);
   if (o.json) {
     fmt::print("{}\n", jsonText(object));
@@ -217,7 +217,7 @@ int printStatus(const CtlOptions& o) {
   for (const auto& [key, value] : object.items())
     fmt::print("  {:<20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
   fmt::print("  parameters\n");
-  for (const auto& [name, values] : toldOf(status.parameters, "")) {
+  for (const auto& [name, values] : entriesOf(status.parameters, "")) {
     std::string text;
     for (const double value : values) text += ' ' + numberText(value);
     for (const ParameterInfo& info : parameterList())
@@ -352,7 +352,7 @@ int listColliders(const CtlOptions& o) {
                 fmt::format("groom {} on {}", o.network.groom_id, networkName(o.network)),
                 "does it publish frames?");
   std::map<uint32_t, std::string> names;
-  for (const auto& [name, ids] : toldOf(status.parameters, kToldCollider))
+  for (const auto& [name, ids] : entriesOf(status.parameters, kColliderEntry))
     for (const Collider& collider : set->colliders)
       if (collider.id >= ids[0] && collider.id < ids[0] + (ids.size() > 1 ? ids[1] : 1))
         names[collider.id] = name;
@@ -519,9 +519,9 @@ void addFanOptions(CLI::App& app, const std::shared_ptr<CtlOptions>& o, const Wi
 }
 
 int listFans(const CtlOptions& o) {
-  const Status status = statusOf(o, *steer(o.network));
+  const Status status = statusOf(o, *joinForCommands(o.network));
   nlohmann::json all = nlohmann::json::array();
-  for (const auto& [name, values] : toldOf(status.parameters, kToldSource)) {
+  for (const auto& [name, values] : entriesOf(status.parameters, kWindSourceEntry)) {
     const WindSource source = windSourceOf(values, "fan " + name + " as reported by the daemon");
     const std::string kind = windSourceKindName(source.kind);
     nlohmann::json object = {{"name", name}, {"kind", kind}};
@@ -673,7 +673,7 @@ Verb addCtl(CLI::App& app) {
       ->add_option("STEPS", o->values, "1 to 1000")
       ->expected(1)
       ->required()
-      ->transform(wholeRange(1, kMostSteps));
+      ->transform(wholeRange(1, kMaxRequestedSteps));
   verb("pull", "pull the hair around a point for a second; without numbers, release it",
        [o] {
          if (!o->values.empty() && o->values.size() != 8)

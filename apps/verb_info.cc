@@ -91,7 +91,7 @@ int printGroom(const InfoOptions& options) {
   // Counts are those of the file; lengths and box are in metres.
   const float unit = groom.report.unit_meters;
   StrandSet meters = raw.strands;
-  turnYUp(meters.positions, read.up == UpAxis::kAuto ? raw.native_up : read.up);
+  rotateToYUp(meters.positions, read.up == UpAxis::kAuto ? raw.native_up : read.up);
   scaleToMeters(meters.positions, unit, options.file);
   const GroomSummary s = summarize(meters);
   const std::optional<std::pair<double, double>> widths = widthsOf(groom.strands);

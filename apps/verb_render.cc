@@ -17,8 +17,8 @@
 #include "apps/picture_folder.h"
 #include "apps/picture_options.h"
 #include "apps/scene_simulation.h"
+#include "apps/unused_picture_options.h"
 #include "apps/verbs.h"
-#include "apps/void_picture.h"
 #include "core/error.h"
 #include "gl/context.h"
 
@@ -68,8 +68,8 @@ void report(const RenderOptions& o, Subscriber& subscriber, const std::optional<
   }
   out.add("latency_ms_p50", "latency, median", r.latency_ms_p50, "ms", 3);
   out.add("latency_ms_p99", "latency, 99th percentile", r.latency_ms_p99, "ms", 3);
-  if (capture.passedOver() > 0)
-    out.addCount("frames_passed_over", "frames skipped", static_cast<uint64_t>(capture.passedOver()));
+  if (capture.skippedFrames() > 0)
+    out.addCount("frames_passed_over", "frames skipped", static_cast<uint64_t>(capture.skippedFrames()));
   out.addCount("frames_drawn", "frames drawn", static_cast<uint64_t>(drawn));
   out.addCount("samples", "samples per pixel", static_cast<uint64_t>(samples));
   out.add("draw_ms", "drawing, mean", drawn > 0 ? draw_ms / drawn : 0, "ms per frame", 1);
@@ -95,7 +95,7 @@ int renderAir(const RenderOptions& o, const Settings& settings) {
     const double end = simulation.time() + time_step;
     moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
     simulation.step();
-    simulation.resetBroken();
+    simulation.resetDiverged();
   };
   step();  // grids exist only after the first step
   const double start = std::max(simulation.time(), o.skip);
@@ -115,7 +115,7 @@ int renderAir(const RenderOptions& o, const Settings& settings) {
 int render(const RenderOptions& o) {
   o.settings->refuseWithoutScene();
   o.settings->warnOfUnusedNetwork();
-  warnOfVoidPicture(o.picture);
+  warnOfUnusedPictureOptions(o.picture);
   const Settings settings = o.settings->resolve();
   if (o.show != "hair") return renderAir(o, settings);
   if (o.films()) checkMovie(o.movie);

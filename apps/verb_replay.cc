@@ -99,14 +99,14 @@ class GridPictures {
  public:
   explicit GridPictures(const ReplayVerbOptions& o)
       : show_(o.show), fps_(o.fps), film_(o.show, o.slice, o.size, o.out) {}
-  void look(Simulation& simulation) {
+  void draw(Simulation& simulation) {
     if (!isDue(simulation.time())) return;
     if (film_.canDraw(simulation))
       film_.draw(simulation);
     else
       ++without_;
   }
-  void look(double time, const AirGrids& grids, std::span<const Vec3> hair) {
+  void draw(double time, const AirGrids& grids, std::span<const Vec3> hair) {
     if (!isDue(time)) return;
     const RecordedAir air(grids);
     if (film_.canDraw(air))
@@ -146,8 +146,8 @@ class GridPictures {
   explicit GridPictures(const ReplayVerbOptions& o) {
     throw Error("this build cannot draw", "--show " + o.show, "build with OpenGL");
   }
-  void look(Simulation&) {}
-  void look(double, const AirGrids&, std::span<const Vec3>) {}
+  void draw(Simulation&) {}
+  void draw(double, const AirGrids&, std::span<const Vec3>) {}
   void checkDrawn() const {}
   int drawn() const { return 0; }
   void addTo(Report&) const {}
@@ -168,7 +168,7 @@ int showGrids(Recording& recording, const ReplayVerbOptions& o) {
       if (time > end) break;
       if (recording.readGrids(number, grids)) {
         recording.read(number, read);
-        pictures.look(time, grids, read.frame->positions);
+        pictures.draw(time, grids, read.frame->positions);
       }
       bar.show(fmt::format("frame {} of {}", number + 1, recording.frames()),
                static_cast<double>(number + 1) / static_cast<double>(recording.frames()));
@@ -193,7 +193,7 @@ int simulateAgain(Recording& recording, const ReplayVerbOptions& o) {
     ProgressBar bar;
     report =
         resimulate(recording, o.file.string(), g_interrupted, [&](uint64_t frames, Simulation& simulation) {
-          if (pictures) pictures->look(simulation);
+          if (pictures) pictures->draw(simulation);
           bar.show(fmt::format("frame {} of {}", frames, recording.frames()),
                    static_cast<double>(frames) / static_cast<double>(recording.frames()));
         });

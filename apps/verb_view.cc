@@ -6,9 +6,9 @@
 #include "apps/interrupt.h"
 #include "apps/number_range.h"
 #include "apps/picture_options.h"
+#include "apps/unused_picture_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/viewer.h"
-#include "apps/void_picture.h"
 
 namespace strandcast {
 
@@ -43,7 +43,7 @@ Verb addView(CLI::App& app) {
   return [o, settings] {
     (*settings)->refuseWithoutScene();
     (*settings)->warnOfUnusedNetwork();
-    warnOfVoidPicture(o->picture);
+    warnOfUnusedPictureOptions(o->picture);
     o->settings = (*settings)->resolve();
     o->here = (*settings)->namesScene();
     return runViewer(*o);

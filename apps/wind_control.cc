@@ -49,20 +49,20 @@ void checkPlace(const WindSource& source, const std::string& where) {
 
 WindSourceParts partsOf(WindSource::Kind kind) {
   WindSourceParts unused = 0;
-  const auto leaveOut = [&](std::initializer_list<const char*> names) {
+  const auto ignoreOptions = [&](std::initializer_list<const char*> names) {
     for (const WindSourceNumber& number : windSourceNumbers())
       for (const std::string name : names)
         if (name == number.name) unused |= number.part;
   };
   switch (kind) {
     case WindSource::Kind::kCone:
-      leaveOut({"radius", "swirl"});
+      ignoreOptions({"radius", "swirl"});
       break;
     case WindSource::Kind::kTurbine:
-      leaveOut({"angle"});
+      ignoreOptions({"angle"});
       break;
     case WindSource::Kind::kSphere:
-      leaveOut({"length", "angle", "swirl", "rate"});
+      ignoreOptions({"length", "angle", "swirl", "rate"});
       unused |= kSourceDirection;
   }
   return kAllSourceParts & ~unused;
@@ -132,7 +132,7 @@ void WindControl::add(const Command& command, const std::string& where) {
     if (known.name == command.name)
       throw Error("a source of wind has the same name: '" + command.name + "'", where,
                   "give it a unique name, or move the existing source");
-  if (sources_.size() >= kMostWindSources)
+  if (sources_.size() >= kMaxWindSources)
     throw Error(fmt::format("{} sources of wind exist, the most that a daemon takes", sources_.size()), where,
                 "remove one first");
   std::vector<NamedWindSource> sources = sources_;
@@ -157,10 +157,10 @@ void WindControl::move(const Command& command, const std::string& where) {
   WindSource to = known.source;
   readSource(v, 2, parts, to, where);
   if ((parts & kSourcePosition) != 0) checkPlace(to, where);
-  for (Ramp& way : ways_)
+  for (Ramp& way : tweens_)
     if (way.name == command.name) way.parts &= ~parts;  // the other parts keep moving
-  std::erase_if(ways_, [](const Ramp& way) { return way.parts == 0; });
-  ways_.push_back({command.name, parts, known.source, to, simulation_.time(), v[1]});
+  std::erase_if(tweens_, [](const Ramp& way) { return way.parts == 0; });
+  tweens_.push_back({command.name, parts, known.source, to, simulation_.time(), v[1]});
 }
 
 void WindControl::remove(const Command& command, const std::string& where) {
@@ -168,16 +168,16 @@ void WindControl::remove(const Command& command, const std::string& where) {
   std::vector<NamedWindSource> left = sources_;
   std::erase_if(left, [&](const NamedWindSource& known) { return known.name == command.name; });
   replace(std::move(left), where);
-  std::erase_if(ways_, [&](const Ramp& way) { return way.name == command.name; });
+  std::erase_if(tweens_, [&](const Ramp& way) { return way.name == command.name; });
 }
 
-void WindControl::goOnWith(std::vector<NamedWindSource> sources, std::vector<Ramp> ways,
-                           const std::string& where) {
+void WindControl::restoreFrom(std::vector<NamedWindSource> sources, std::vector<Ramp> tweens,
+                              const std::string& where) {
   for (const NamedWindSource& source : sources) {
     checkWindSourceName(source.name, where);
     checkWindSource(source.source, where);
   }
-  if (sources.size() > kMostWindSources)
+  if (sources.size() > kMaxWindSources)
     throw Error(fmt::format("{} sources of wind are too many", sources.size()), where, "remove some");
   const auto valuesOf = [](const std::vector<NamedWindSource>& all) {
     std::vector<std::pair<std::string, std::vector<double>>> values;
@@ -185,17 +185,17 @@ void WindControl::goOnWith(std::vector<NamedWindSource> sources, std::vector<Ram
     return values;
   };
   if (valuesOf(sources) != valuesOf(sources_)) replace(std::move(sources), where);
-  ways_ = std::move(ways);
+  tweens_ = std::move(tweens);
 }
 
-void WindControl::goOn(double time) {
-  if (ways_.empty()) return;
-  for (const Ramp& way : ways_) {
+void WindControl::advance(double time) {
+  if (tweens_.empty()) return;
+  for (const Ramp& way : tweens_) {
     const auto part = static_cast<float>(easedFraction(time - way.start, way.seconds));
     for (NamedWindSource& moved : sources_)
-      if (moved.name == way.name) take(moved.source, between(way.from, way.to, part), way.parts);
+      if (moved.name == way.name) copyParts(moved.source, between(way.from, way.to, part), way.parts);
   }
-  std::erase_if(ways_, [&](const Ramp& way) { return time - way.start >= way.seconds; });
+  std::erase_if(tweens_, [&](const Ramp& way) { return time - way.start >= way.seconds; });
   airSystem(simulation_.externalForces())->setSources(withoutNames(sources_));
 }
 

@@ -21,7 +21,7 @@ class WindControl {
   void move(const Command& command, const std::string& where);
   void remove(const Command& command, const std::string& where);
   /// Moves sources to `time`, s of simulation: the end of the next step.
-  void goOn(double time);
+  void advance(double time);
 
   const std::vector<NamedWindSource>& sources() const { return sources_; }
   /// The motion of some parts of a source, until its end.
@@ -31,10 +31,10 @@ class WindControl {
     WindSource from, to;
     double start, seconds;  ///< of simulation time
   };
-  const std::vector<Ramp>& ways() const { return ways_; }
+  const std::vector<Ramp>& tweens() const { return tweens_; }
   /// Replaces sources and motions by those of another daemon. Throws Error, naming `where`, on invalid ones,
   /// and changes nothing.
-  void goOnWith(std::vector<NamedWindSource> sources, std::vector<Ramp> ways, const std::string& where);
+  void restoreFrom(std::vector<NamedWindSource> sources, std::vector<Ramp> tweens, const std::string& where);
 
  private:
   NamedWindSource& find(const std::string& name, const std::string& where);
@@ -42,7 +42,7 @@ class WindControl {
   void replace(std::vector<NamedWindSource> sources, const std::string& where);
 
   std::vector<NamedWindSource> sources_;
-  std::vector<Ramp> ways_;
+  std::vector<Ramp> tweens_;
   Simulation& simulation_;
 };
 

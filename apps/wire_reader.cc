@@ -28,9 +28,9 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kGroomPatience = 20s, kReadyPatience = 30s, kReadingPatience = 10s;
-constexpr auto kRepairTime = 1s;     // allowance for repairs of the last frames after the last was sent
-constexpr uint64_t kLookEvery = 10;  // compares every tenth frame: comparing each one would load the machine
-                                     // under measurement
+constexpr auto kRepairTime = 1s;        // allowance for repairs of the last frames after the last was sent
+constexpr uint64_t kCompareEvery = 10;  // compares every tenth frame: comparing each one would load the
+                                        // machine under measurement
 
 double worstErrorMm(std::span<const Vec3> received, std::span<const Vec3> sent) {
   if (received.size() != sent.size()) return std::numeric_limits<double>::quiet_NaN();
@@ -65,7 +65,7 @@ int read(const WireReaderOptions& o) {
     newest = frame->frame;
     out.arrivals.emplace_back(newest, static_cast<int64_t>(frame->arrival_time));
     if (newest < look_due || frame->strands_concealed > 0) continue;
-    look_due = newest + kLookEvery;
+    look_due = newest + kCompareEvery;
     ++looks;
     const double own = processorSeconds(RUSAGE_THREAD);
     out.worst_error_mm =

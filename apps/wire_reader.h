@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/second_process.h"
+#include "apps/child_process.h"
 #include "apps/verbs.h"
 
 namespace strandcast {
@@ -48,7 +48,7 @@ class WireReader {
   std::string failure() { return "the reader " + process_.end(); }
 
  private:
-  SecondProcess process_;
+  ChildProcess process_;
 };
 
 }  // namespace strandcast

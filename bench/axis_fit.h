@@ -15,7 +15,7 @@ struct AxisFit {
 };
 /// From a row of `strandbench scaling`: the minimum time of a step, ms. With one thread it is processor time,
 /// which other load on the machine does not change; otherwise wall time.
-double leastMs(const nlohmann::json& row);
+double minMs(const nlohmann::json& row);
 /// Fits the axes strands, vertices and substeps of which `rows` have at least two points.
 std::vector<AxisFit> fitAxes(const std::vector<nlohmann::json>& rows);
 

@@ -35,9 +35,9 @@ double msSince(Clock::time_point start) {
 class TimedBroadPhase final : public BroadPhase {
  public:
   explicit TimedBroadPhase(std::vector<double>& ms) : inner_(makeTreeBroadPhase()), ms_(ms) {}
-  void find(std::span<const Box> bodies, std::span<const Box> strands, NearBodyLists& out) override {
+  void findPairs(std::span<const Box> bodies, std::span<const Box> strands, NearBodyLists& out) override {
     const Clock::time_point start = Clock::now();
-    inner_->find(bodies, strands, out);
+    inner_->findPairs(bodies, strands, out);
     ms_.push_back(msSince(start));
   }
 

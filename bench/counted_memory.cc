@@ -29,19 +29,19 @@ void* counted(void* memory) {
   return memory;
 }
 
-void* take(size_t bytes, size_t alignment) noexcept {
+void* allocate(size_t bytes, size_t alignment) noexcept {
   const size_t rounded = (std::max<size_t>(bytes, 1) + alignment - 1) / alignment * alignment;
   void* memory =
       alignment <= alignof(std::max_align_t) ? std::malloc(rounded) : std::aligned_alloc(alignment, rounded);
   return memory == nullptr ? nullptr : counted(memory);
 }
 
-void* takeOrThrow(size_t bytes, size_t alignment) {
-  if (void* memory = take(bytes, alignment)) return memory;
+void* allocateOrThrow(size_t bytes, size_t alignment) {
+  if (void* memory = allocate(bytes, alignment)) return memory;
   throw std::bad_alloc();
 }
 
-void give(void* memory) noexcept {
+void deallocate(void* memory) noexcept {
   if (memory == nullptr) return;
   heap_bytes.fetch_sub(malloc_usable_size(memory), std::memory_order_relaxed);
   std::free(memory);
@@ -51,22 +51,22 @@ constexpr size_t kAlignment = alignof(std::max_align_t);
 
 }  // namespace
 
-void* operator new(size_t bytes) { return takeOrThrow(bytes, kAlignment); }
-void* operator new[](size_t bytes) { return takeOrThrow(bytes, kAlignment); }
-void* operator new(size_t bytes, std::align_val_t a) { return takeOrThrow(bytes, size_t(a)); }
-void* operator new[](size_t bytes, std::align_val_t a) { return takeOrThrow(bytes, size_t(a)); }
-void* operator new(size_t bytes, const std::nothrow_t&) noexcept { return take(bytes, kAlignment); }
-void* operator new[](size_t bytes, const std::nothrow_t&) noexcept { return take(bytes, kAlignment); }
-void operator delete(void* p) noexcept { give(p); }
-void operator delete[](void* p) noexcept { give(p); }
-void operator delete(void* p, size_t) noexcept { give(p); }
-void operator delete[](void* p, size_t) noexcept { give(p); }
-void operator delete(void* p, std::align_val_t) noexcept { give(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { give(p); }
-void operator delete(void* p, size_t, std::align_val_t) noexcept { give(p); }
-void operator delete[](void* p, size_t, std::align_val_t) noexcept { give(p); }
-void operator delete(void* p, const std::nothrow_t&) noexcept { give(p); }
-void operator delete[](void* p, const std::nothrow_t&) noexcept { give(p); }
+void* operator new(size_t bytes) { return allocateOrThrow(bytes, kAlignment); }
+void* operator new[](size_t bytes) { return allocateOrThrow(bytes, kAlignment); }
+void* operator new(size_t bytes, std::align_val_t a) { return allocateOrThrow(bytes, size_t(a)); }
+void* operator new[](size_t bytes, std::align_val_t a) { return allocateOrThrow(bytes, size_t(a)); }
+void* operator new(size_t bytes, const std::nothrow_t&) noexcept { return allocate(bytes, kAlignment); }
+void* operator new[](size_t bytes, const std::nothrow_t&) noexcept { return allocate(bytes, kAlignment); }
+void operator delete(void* p) noexcept { deallocate(p); }
+void operator delete[](void* p) noexcept { deallocate(p); }
+void operator delete(void* p, size_t) noexcept { deallocate(p); }
+void operator delete[](void* p, size_t) noexcept { deallocate(p); }
+void operator delete(void* p, std::align_val_t) noexcept { deallocate(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { deallocate(p); }
+void operator delete(void* p, size_t, std::align_val_t) noexcept { deallocate(p); }
+void operator delete[](void* p, size_t, std::align_val_t) noexcept { deallocate(p); }
+void operator delete(void* p, const std::nothrow_t&) noexcept { deallocate(p); }
+void operator delete[](void* p, const std::nothrow_t&) noexcept { deallocate(p); }
 
 namespace strandcast {
 

@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kClocksRise(400);  // time for an idle GPU t
 
 /// The minimum time of `work`, a sequence of dispatches, s.
 template <class Work>
-double leastSeconds(int attempts, const Work& work) {
+double minSeconds(int attempts, const Work& work) {
   gpu::PassTimer timer;
   timer.measure(false, static_cast<size_t>(attempts));
   for (int attempt = 0; attempt < attempts; ++attempt) {
@@ -35,11 +35,11 @@ double leastSeconds(int attempts, const Work& work) {
 
 /// The same after the GPU has reached its full clock rate; a software OpenGL needs no warm-up.
 template <class Work>
-double leastSecondsAtFullSpeed(bool is_software, const Work& work) {
+double minSecondsAtFullSpeed(bool is_software, const Work& work) {
   const auto start = std::chrono::steady_clock::now();
-  double least = leastSeconds(kAttempts, work);
+  double least = minSeconds(kAttempts, work);
   while (!is_software && std::chrono::steady_clock::now() - start < kClocksRise)
-    least = std::min(least, leastSeconds(kAttempts, work));
+    least = std::min(least, minSeconds(kAttempts, work));
   return least;
 }
 
@@ -54,12 +54,12 @@ double multiplyAddsPerSecond(bool is_software) {
   const auto add = [&] { glDispatchCompute(kGroups, 1, 1); };
   const auto secondsOf = [&](int rounds) {
     program.set("rounds", rounds);
-    return leastSeconds(1, add);
+    return minSeconds(1, add);
   };
   secondsOf(1);  // some drivers compile on first use
   int rounds = 1;
   while (rounds < (1 << 20) && secondsOf(rounds) < kLongEnough) rounds *= 2;
-  return 2 * kMultiplyAdds * kGroups * kWorkgroup * rounds / leastSecondsAtFullSpeed(is_software, add);
+  return 2 * kMultiplyAdds * kGroups * kWorkgroup * rounds / minSecondsAtFullSpeed(is_software, add);
 }
 
 double copiedBytesPerSecond(bool is_software) {
@@ -77,8 +77,8 @@ double copiedBytesPerSecond(bool is_software) {
   to.bindStorage(1);
   program.use();
   const auto copy = [&] { glDispatchCompute(kGroups, 1, 1); };
-  leastSeconds(1, copy);  // some drivers compile and allocate memory on first use
-  return 2 * static_cast<double>(bytes) / leastSecondsAtFullSpeed(is_software, copy);
+  minSeconds(1, copy);  // some drivers compile and allocate memory on first use
+  return 2 * static_cast<double>(bytes) / minSecondsAtFullSpeed(is_software, copy);
 }
 
 }  // namespace

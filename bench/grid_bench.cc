@@ -108,8 +108,8 @@ GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel
   const double dt = parameters.time_step;
   const bool slips = o.drag_along < 1;
   if (slips) {
-    hair.expectSlip();
-    wind.expectSlip();
+    hair.reserveSlip();
+    wind.reserveSlip();
   }
   for (int step = 0; step < o.steps; ++step) {
     PassTimes& t = out.times;
@@ -117,7 +117,7 @@ GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel
       hair.locate(rest.positions, velocities, Pose{});
       hair.splat();
     });
-    t.time("blur, gradient, friction", [&] { hair.findForces(parameters, dt); });
+    t.time("blur, gradient, friction", [&] { hair.computeForces(parameters, dt); });
     t.time("forces to strands", [&] {
       const int chunks = 64;
       workers.forEach(chunks, [&](int c) {
@@ -148,7 +148,7 @@ GridResult timeGrids(const GridOptions& o, const Scene& scene, const StrandModel
   return out;
 }
 
-Parameters surroundedBy(const GridOptions& o, const Scene& scene, int cells) {
+Parameters parametersWithAir(const GridOptions& o, const Scene& scene, int cells) {
   Parameters parameters = scene.parameters;
   parameters.solver = SolverKind::kRod;
   addAir(parameters, cells, o.mac_cormack);
@@ -161,7 +161,7 @@ Parameters surroundedBy(const GridOptions& o, const Scene& scene, int cells) {
 GridResult timeGpuGrids(const GridOptions& o, const Scene& scene, const StrandModel& model, int cells) {
   std::unique_ptr<ExternalForces> air_system = airOf(o.backend).make({});
   auto& measured = dynamic_cast<MeasuredPasses&>(*air_system);
-  const Parameters parameters = surroundedBy(o, scene, cells);
+  const Parameters parameters = parametersWithAir(o, scene, cells);
   Simulation simulation(model, scene.bodies, parameters,
                         createBackend(knownBackends(), o.backend, o.threads, parameters.solver),
                         std::move(air_system));
@@ -174,11 +174,11 @@ GridResult timeGpuGrids(const GridOptions& o, const Scene& scene, const StrandMo
   PassTimes whole;
   measured.measure(false, o.steps);
   run(o.steps);
-  for (const auto& [name, ms] : measured.takeTimes()) whole.add(name, ms);
+  for (const auto& [name, ms] : measured.drainTimes()) whole.add(name, ms);
   out.all = whole.spread("all");
   measured.measure(true, o.steps);
   run(o.steps);
-  for (const auto& [name, ms] : measured.takeTimes()) out.times.add(name, ms);
+  for (const auto& [name, ms] : measured.drainTimes()) out.times.add(name, ms);
   const PressureReport pressure = measured.pressure();
   out.iterations = pressure.iterations;
   out.divergence = pressure.residual;
@@ -217,7 +217,7 @@ struct StepTimes {
 StepTimes timeSteps(const GridOptions& o, const Scene& scene, const StrandModel& model) {
   StepTimes out;
   for (const bool surrounded : {false, true}) {
-    Parameters parameters = surroundedBy(o, scene, 32);
+    Parameters parameters = parametersWithAir(o, scene, 32);
     if (!surrounded) {
       parameters = scene.parameters;
       parameters.solver = SolverKind::kRod;

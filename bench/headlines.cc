@@ -14,13 +14,13 @@ class Collector {
  public:
   explicit Collector(const Results& results) : results_(results) {}
 
-  /// Calls `tell` with the file's rows; does nothing where the file is missing or empty.
-  template <class Tell>
-  void of(const std::string& name, const Tell& tell) {
+  /// Calls `append` with the file's rows; does nothing where the file is missing or empty.
+  template <class Append>
+  void of(const std::string& name, const Append& append) {
     const auto found = results_.find(name);
     if (found == results_.end() || found->second.rows.empty()) return;
     command_ = commandOf(found->second);
-    tell(found->second.rows);
+    append(found->second.rows);
   }
   void add(const std::string& what, const std::string& measured, const std::string& goal = "",
            std::optional<bool> holds = std::nullopt) {
@@ -42,7 +42,7 @@ std::string sizeOf(const nlohmann::json& row) {
   return fmt::format("{} x {}", row["strands"].dump(), row["vertices"].dump());
 }
 
-void tellStep(Collector& out, const std::vector<nlohmann::json>& rows) {
+void addStepLines(Collector& out, const std::vector<nlohmann::json>& rows) {
   const nlohmann::json& row = rows[0];
   const std::string size = sizeOf(row), device = row["device"];
   out.add(fmt::format("step of {}, {} substeps, {}", size, row["substeps"].dump(), device),
@@ -70,7 +70,7 @@ std::string settingOf(const std::string& benchmark, const nlohmann::json& row) {
 }
 
 // The row with the most memory, for each device and setting.
-void tellMemory(Collector& out, const Results& results) {
+void addMemoryLines(Collector& out, const Results& results) {
   constexpr double kGoal = 160;  // bytes
   std::map<std::string, Headline> most;
   std::map<std::string, double> bytes_of;
@@ -90,7 +90,7 @@ void tellMemory(Collector& out, const Results& results) {
   for (const auto& [where, line] : most) out.lines.push_back(line);
 }
 
-void tellGpu(Collector& out) {
+void addGpuLines(Collector& out) {
   struct Goal {
     const char *file, *what;
     double ms;
@@ -121,7 +121,7 @@ void tellGpu(Collector& out) {
   });
 }
 
-void tellScaling(Collector& out, const std::vector<nlohmann::json>& rows) {
+void addScalingLines(Collector& out, const std::vector<nlohmann::json>& rows) {
   constexpr double kLinear = 1.1;  // largest exponent that counts as linear
   for (const AxisFit& fit : fitAxes(rows)) {
     const bool is_promised = fit.axis != "substeps";
@@ -152,7 +152,7 @@ void tellScaling(Collector& out, const std::vector<nlohmann::json>& rows) {
   }
 }
 
-void tellPeers(Collector& out, const std::vector<nlohmann::json>& rows) {
+void addPeerLines(Collector& out, const std::vector<nlohmann::json>& rows) {
   const auto ratio = bulletOverRod(rows, 4);
   if (!ratio) return;
   out.add(ratio->reached ? "Bullet's ropes over the rod, at equal or less stretch"
@@ -160,7 +160,7 @@ void tellPeers(Collector& out, const std::vector<nlohmann::json>& rows) {
           fmt::format("{:.0f} x", ratio->ratio), ">= 20 x", ratio->ratio >= 20);
 }
 
-void tellLatency(Collector& out, const std::vector<nlohmann::json>& rows) {
+void addLatencyLines(Collector& out, const std::vector<nlohmann::json>& rows) {
   for (const nlohmann::json& row : rows) {
     const double rate = number(row, "rate_hz");
     const bool is_promised = rate == 120;
@@ -175,7 +175,7 @@ void tellLatency(Collector& out, const std::vector<nlohmann::json>& rows) {
 }
 
 // On a CPU: cost of all grids of 32^3 relative to a step of the strands.
-void tellGrids(Collector& out, const std::vector<nlohmann::json>& rows) {
+void addGridLines(Collector& out, const std::vector<nlohmann::json>& rows) {
   for (const nlohmann::json& row : rows) {
     if (row.value("pass", "") != "all" || number(row, "cells") != 32) continue;
     const bool by_cpu = number(row, "of_strand_step_cpu") > 0;
@@ -188,7 +188,7 @@ void tellGrids(Collector& out, const std::vector<nlohmann::json>& rows) {
 }
 
 // A software OpenGL has no goal.
-void tellGrowth(Collector& out, const std::vector<nlohmann::json>& rows) {
+void addGrowthLines(Collector& out, const std::vector<nlohmann::json>& rows) {
   constexpr double kGoal = 0.3;  // ms, for 100,000 hairs
   const nlohmann::json& row = rows.back();
   const double ms = number(row, "growth_ms");
@@ -216,20 +216,20 @@ Results readResults(const std::filesystem::path& folder) {
 
 std::vector<Headline> headlinesOf(const Results& results) {
   Collector out(results);
-  out.of("step_10k", [&](const auto& rows) { tellStep(out, rows); });
-  tellMemory(out, results);
-  tellGpu(out);
-  out.of("scaling", [&](const auto& rows) { tellScaling(out, rows); });
-  out.of("peers", [&](const auto& rows) { tellPeers(out, rows); });
+  out.of("step_10k", [&](const auto& rows) { addStepLines(out, rows); });
+  addMemoryLines(out, results);
+  addGpuLines(out);
+  out.of("scaling", [&](const auto& rows) { addScalingLines(out, rows); });
+  out.of("peers", [&](const auto& rows) { addPeerLines(out, rows); });
   out.of("contact", [&](const std::vector<nlohmann::json>& rows) {
     const double ratio = number(rows.back(), "ratio");
     out.add("a mesh and five primitives over no body", fmt::format("{:.2f} x", ratio), "<= 1.5 x",
             ratio <= 1.5);
   });
-  out.of("grid", [&](const auto& rows) { tellGrids(out, rows); });
-  out.of("render", [&](const auto& rows) { tellGrowth(out, rows); });
-  out.of("end_to_end", [&](const auto& rows) { tellLatency(out, rows); });
-  out.of("end_to_end_grown", [&](const auto& rows) { tellLatency(out, rows); });
+  out.of("grid", [&](const auto& rows) { addGridLines(out, rows); });
+  out.of("render", [&](const auto& rows) { addGrowthLines(out, rows); });
+  out.of("end_to_end", [&](const auto& rows) { addLatencyLines(out, rows); });
+  out.of("end_to_end_grown", [&](const auto& rows) { addLatencyLines(out, rows); });
   return out.lines;
 }
 

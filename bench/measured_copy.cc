@@ -15,8 +15,8 @@ namespace {
 /// Bytes of the source and of the copy: twice the last-level cache each, clamped to 64 to 256 MiB to bound
 /// the time.
 size_t copiedBytes() {
-  constexpr long kLeast = 64L << 20, kMost = 256L << 20;
-  return static_cast<size_t>(std::clamp(2 * sysconf(_SC_LEVEL3_CACHE_SIZE), kLeast, kMost));
+  constexpr long kMin = 64L << 20, kMax = 256L << 20;
+  return static_cast<size_t>(std::clamp(2 * sysconf(_SC_LEVEL3_CACHE_SIZE), kMin, kMax));
 }
 
 }  // namespace

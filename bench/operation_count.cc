@@ -60,9 +60,9 @@ const char* nameOf(StepPart part) {
     case StepPart::kMove:
       return "move";
     case StepPart::kTensions:
-      return "pulls";
+      return "tensions";
     case StepPart::kSecondLengthPass:
-      return "again";
+      return "second_length_pass";
     case StepPart::kVelocities:
       return "velocities";
     case StepPart::kContact:

@@ -41,9 +41,9 @@ struct PeersSetting {
 std::vector<PeersSetting> settingsOf(const PeersOptions& o) {
   std::vector<PeersSetting> out;
   for (const int substeps : o.substeps) out.push_back({"rod", substeps});
-  const auto sweep = [&](const std::string& solver, int most_iterations) {
+  const auto sweep = [&](const std::string& solver, int max_iterations) {
     for (const int substeps : o.substeps)
-      for (int iterations = 1; iterations <= most_iterations && substeps * iterations <= o.sweeps;
+      for (int iterations = 1; iterations <= max_iterations && substeps * iterations <= o.sweeps;
            iterations *= o.quick ? 4 : 2)
         out.push_back({solver, substeps, iterations});
   };

@@ -330,10 +330,10 @@ const std::vector<Section>& sections() {
 
 /// The columns of a file, the first 14 at most.
 std::vector<Column> wholeFile(const CsvFile& file) {
-  constexpr size_t kMost = 14;
+  constexpr size_t kMax = 14;
   std::vector<Column> columns;
   for (const std::string& key : file.columns)
-    if (columns.size() < kMost) columns.push_back({key, key});
+    if (columns.size() < kMax) columns.push_back({key, key});
   return columns;
 }
 

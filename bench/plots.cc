@@ -78,7 +78,7 @@ std::string scalingPlot(const std::vector<nlohmann::json>& rows) {
     for (const AxisFit& fit : fitAxes(rows))
       if (fit.axis == axis) series.name = fmt::format("{}, power of {:.2f}", axis, fit.law.exponent);
     for (const nlohmann::json& row : rows)
-      if (row["axis"] == axis) series.points.push_back({number(row, "value"), leastMs(row), ""});
+      if (row["axis"] == axis) series.points.push_back({number(row, "value"), minMs(row), ""});
     if (!series.points.empty()) panel.series.push_back(series);
   }
   return logLogPlot("strands, vertices per strand, or substeps", "least time of a step, ms",

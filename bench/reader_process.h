@@ -2,7 +2,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "apps/second_process.h"
+#include "apps/child_process.h"
 
 namespace CLI {
 class App;
@@ -28,7 +28,7 @@ class ReaderProcess {
   nlohmann::json report();
 
  private:
-  SecondProcess process_;
+  ChildProcess process_;
 };
 
 /// A DDS domain that no other benchmark on this machine is likely to use.

@@ -172,7 +172,7 @@ class Scaling {
       rows.push_back(rowOf(settings[i], timed[i]->result()));
       rows[i]["speedup"] = settings[0].axis == "threads"
                                ? rows[0]["ms_min"].get<double>() / rows[i]["ms_min"].get<double>()
-                               : leastMs(rows[0]) / leastMs(rows[i]);
+                               : minMs(rows[0]) / minMs(rows[i]);
     }
     return rows;
   }
@@ -248,8 +248,8 @@ class Scaling {
       run.cpu_ms = spreadOf(cpu_ms);
       run.gpu_ms.reset();
       nlohmann::json row = rowOf(s, run);
-      if (count == 1) first = leastMs(row);
-      row.update({{"speedup", first / leastMs(row)}, {"same_hash", same ? "yes" : "no"}});
+      if (count == 1) first = minMs(row);
+      row.update({{"speedup", first / minMs(row)}, {"same_hash", same ? "yes" : "no"}});
       table.add(std::move(row));
     }
   }

@@ -195,7 +195,7 @@ nlohmann::json run(const StepOptions& o, const Scene& plain, const std::string& 
   addFractions(row, o, result, operations.all * static_cast<double>(result.vertices) * o.substeps);
   if (passes != nullptr) {
     std::vector<double> ms;
-    for (const auto& [pass, time] : passes->takeTimes()) ms.push_back(time);
+    for (const auto& [pass, time] : passes->drainTimes()) ms.push_back(time);
     if (!ms.empty()) row["air_gpu_ms"] = spreadOf(ms).median;
   }
   return row;

@@ -19,7 +19,7 @@ function(strandcast_precompile group)
 endfunction()
 strandcast_precompile(library_headers)
 if(STRANDCAST_SANITIZE MATCHES "address")
-  strandcast_precompile(number_headers OPTIONS -O1)  # see strandcast_of_numbers
+  strandcast_precompile(number_headers OPTIONS -O1)  # see strandcast_optimize_under_asan
 endif()
 if(NOT STRANDCAST_CLIENT)
   strandcast_precompile(program_headers HEADERS <CLI/CLI.hpp> <nlohmann/json.hpp> OPTIONS ${STRANDCAST_PROGRAM_OPTIONS})
@@ -35,12 +35,12 @@ endfunction()
 # The asan preset has -fexpensive-optimizations: without it GCC omits vzeroupper after AVX code, and later scalar float code
 # takes up to fifteen times as long.
 #
-# strandcast_of_numbers(TARGET): for libraries in which tests spend their time. The asan preset has -Og, which saves a quarter of
+# strandcast_optimize_under_asan(TARGET): for libraries in which tests spend their time. The asan preset has -Og, which saves a quarter of
 # the compile time; under the address sanitizer these libraries get -O1 instead, with headers precompiled with -O1, because GCC
 # takes the level from those. They also get no use-after-scope checks: with their thousands of local numbers these take a quarter
 # of the compile time, and three fifths of the run time of searches in triangle trees. Without those checks GCC 12 gives false
 # maybe-uninitialized warnings.
-function(strandcast_of_numbers target)
+function(strandcast_optimize_under_asan target)
   if(NOT STRANDCAST_SANITIZE MATCHES "address")
     return()
   endif()
@@ -48,24 +48,24 @@ function(strandcast_of_numbers target)
   set_target_properties(${target} PROPERTIES PRECOMPILE_HEADERS_REUSE_FROM number_headers)
 endfunction()
 
-# strandcast_together(TARGET): unity builds of sixteen files instead of eight. Precondition: no two files define the same local
+# strandcast_large_unity_batches(TARGET): unity builds of sixteen files instead of eight. Precondition: no two files define the same local
 # name.
-function(strandcast_together target)
+function(strandcast_large_unity_batches target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
 endfunction()
 
-# strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [OF_PROGRAMS] [TOGETHER]): one library per folder, with includes
-# relative to the project's root. OF_PROGRAMS: compiled with the options of programs. TOGETHER: see strandcast_together().
+# strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [WITH_PROGRAM_OPTIONS] [LARGE_UNITY_BATCHES]): one library per folder, with includes
+# relative to the project's root. WITH_PROGRAM_OPTIONS: compiled with the options of programs. LARGE_UNITY_BATCHES: see strandcast_large_unity_batches().
 function(strandcast_library name)
-  cmake_parse_arguments(ARG "OF_PROGRAMS;TOGETHER" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "WITH_PROGRAM_OPTIONS;LARGE_UNITY_BATCHES" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(strandcast_${name} STATIC ${ARG_SOURCES})
   target_include_directories(strandcast_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_compile_features(strandcast_${name} PUBLIC cxx_std_20)
   target_link_libraries(strandcast_${name} PUBLIC ${ARG_LINK} PRIVATE strandcast_options ${ARG_PRIVATE_LINK})
-  if(ARG_TOGETHER)
-    strandcast_together(strandcast_${name})
+  if(ARG_LARGE_UNITY_BATCHES)
+    strandcast_large_unity_batches(strandcast_${name})
   endif()
-  if(ARG_OF_PROGRAMS)
+  if(ARG_WITH_PROGRAM_OPTIONS)
     target_compile_options(strandcast_${name} PRIVATE ${STRANDCAST_PROGRAM_OPTIONS})
     target_precompile_headers(strandcast_${name} REUSE_FROM program_headers)
   else()

@@ -42,9 +42,9 @@ class BakeLoop {
   /// If none finishes, the elapsed time is the time of one body. Throws BakeStopped.
   template <class Body>
   double secondsFor(size_t count, const BakeProgress& progress, Body body) {
-    constexpr size_t kMost = 128, kStride = 53;  // a stride that spreads the sample over all indices
+    constexpr size_t kMax = 128, kStride = 53;  // a stride that spreads the sample over all indices
     constexpr double kLongest = 0.25;
-    const size_t tries = std::min(count, kMost);
+    const size_t tries = std::min(count, kMax);
     const auto start = Clock::now();
     bool stopped = false;
     const size_t done = over(
@@ -61,11 +61,11 @@ class BakeLoop {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Calls goOn(number of bodies done) every 20 ms until all are done or it returns false. Returns the number
-  /// done.
-  template <class Body, class GoOn>
-  size_t over(size_t count, const Body& body, GoOn goOn) {
-    stopping_ = !goOn(0);
+  /// Calls keep_going(number of bodies done) every 20 ms until all are done or it returns false. Returns the
+  /// number done.
+  template <class Body, class Continue>
+  size_t over(size_t count, const Body& body, Continue keep_going) {
+    stopping_ = !keep_going(0);
     std::atomic<size_t> done{0};
     std::future<void> work = std::async(std::launch::async, [&] {
       arena_.execute([&] {
@@ -77,7 +77,7 @@ class BakeLoop {
       });
     });
     while (work.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
-      if (!goOn(done)) stopping_ = true;
+      if (!keep_going(done)) stopping_ = true;
     work.get();
     return done;
   }

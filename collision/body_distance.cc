@@ -34,7 +34,7 @@ std::vector<SurfaceSample> sampleSurface(const TriangleMesh& mesh, size_t count)
   return samples;
 }
 
-double shareInDoubt(const TriangleMesh& mesh, const MeshQuery& query, float step) {
+double uncertainShare(const TriangleMesh& mesh, const MeshQuery& query, float step) {
   constexpr size_t kSamples = 2000;
   const std::vector<SurfaceSample> samples = sampleSurface(mesh, kSamples);
   const auto isDoubtful = [&](const Vec3& place) {
@@ -71,7 +71,7 @@ class TriangleCutter {
     const bool small = edge <= resolution_;
     // A large triangle is sampled on a lattice no coarser than the resolution, up to a size at which cutting
     // is cheaper.
-    const int divisions = std::clamp(static_cast<int>(std::ceil(edge / resolution_)), 1, kMostDivisions);
+    const int divisions = std::clamp(static_cast<int>(std::ceil(edge / resolution_)), 1, kMaxDivisions);
     int places = 0, outside = 0;
     for (int i = 0; i <= divisions; ++i)
       for (int j = 0; i + j <= divisions; ++j) {
@@ -80,7 +80,7 @@ class TriangleCutter {
         if (small && outside > 0) return out.push_back(t);
       }
     if (outside == places) return out.push_back(t);
-    const bool seen_enough = edge <= kMostDivisions * resolution_;
+    const bool seen_enough = edge <= kMaxDivisions * resolution_;
     if (outside == 0 && seen_enough) return;
     const Vec3 ab = 0.5f * (t[0] + t[1]), bc = 0.5f * (t[1] + t[2]), ca = 0.5f * (t[2] + t[0]);
     for (const Corners& part :
@@ -89,7 +89,7 @@ class TriangleCutter {
   }
 
  private:
-  static constexpr int kMostDivisions = 8;
+  static constexpr int kMaxDivisions = 8;
   // Offset from the surface of the tested points, as a share of the resolution.
   static constexpr float kAway = 0.02f;
   // Contraction towards the centroid, to keep tested points off the edges.
@@ -142,7 +142,7 @@ double windingSlope(const std::vector<OpenEdge>& edges, const Vec3& point) {
 }
 
 /// Upper bound of windingSlope() in a ball: the slope at its centre plus the most that it can change.
-double mostSlope(const std::vector<OpenEdge>& edges, const Vec3& centre, float radius) {
+double maxSlope(const std::vector<OpenEdge>& edges, const Vec3& centre, float radius) {
   double change = 0;
   for (const OpenEdge& edge : edges) {
     const Vec3 along = edge.to - edge.from;
@@ -178,7 +178,7 @@ BodyPoint BodyDistance::at(const Vec3& point, float distance) const {
 bool BodyDistance::clearOfLids(const Vec3& centre, float radius) const {
   if (open_edges_.empty()) return true;
   // Through the mesh the number changes by integers, elsewhere by no more than the slope allows.
-  const double winding = whole_.windingNumber(centre), slope = mostSlope(open_edges_, centre, radius);
+  const double winding = whole_.windingNumber(centre), slope = maxSlope(open_edges_, centre, radius);
   const double to_half = std::fabs(winding - std::floor(winding) - 0.5) - slope * double{radius};
   // Bound of the distance to the mesh from any point of the ball.
   const double reach = double{outer_.distance(centre)} + double{radius};

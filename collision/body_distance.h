@@ -23,7 +23,7 @@ std::vector<SurfaceSample> sampleSurface(const TriangleMesh& mesh, size_t count)
 /// Share, 0 to 1, of the surface of `mesh` where the inside-outside test is uncertain on one side, at a
 /// distance `step` (m). Uncertain: the magnitude of the winding number is nearer to a half than to an
 /// integer.
-double shareInDoubt(const TriangleMesh& mesh, const MeshQuery& query, float step);
+double uncertainShare(const TriangleMesh& mesh, const MeshQuery& query, float step);
 
 /// Inside-outside test: whether the magnitude of the winding number is above a half. Thereby an inside-out
 /// mesh has the same inside.

@@ -127,7 +127,7 @@ class BrickSearch {
     for (std::vector<Cube> cubes{{{0, 0, 0}, level}};; --level) {
       std::vector<uint8_t> near(cubes.size());
       loop.run(cubes.size(), progress, "finding bricks", done, done,
-               [&](size_t i) { near[i] = comesNear(cubes[i], query); });
+               [&](size_t i) { near[i] = isNearSurface(cubes[i], query); });
       std::vector<Cube> finer;
       for (size_t i = 0; i < cubes.size(); ++i) {
         if (near[i] == 0) continue;
@@ -146,7 +146,7 @@ class BrickSearch {
     return (size_t{at[2]} * grid_.bricks[1] + at[1]) * grid_.bricks[0] + at[0];
   }
 
-  bool comesNear(const Cube& cube, const MeshQuery& query) const {
+  bool isNearSurface(const Cube& cube, const MeshQuery& query) const {
     Vec3 centre, half;
     for (int a = 0; a < 3; ++a) {
       const uint32_t end = std::min(cube.at[a] + (1u << cube.level), grid_.bricks[a]);
@@ -306,7 +306,7 @@ struct FieldBaker::Impl {
                  given * (sizeof(mesh.triangles[0]) + sizeof(std::vector<Corners>)) +
                  mesh.positions.size() * sizeof(Vec3);
     require(mesh_bytes, fmt::format("the hierarchy of {} triangles", given));
-    tell(progress, "checking the mesh");
+    reportProgress(progress, "checking the mesh");
     if (!options.is_oriented) {
       OrientedSurface oriented = orientSurface(std::move(mesh));
       mesh = std::move(oriented.mesh);
@@ -314,9 +314,9 @@ struct FieldBaker::Impl {
     }
     check = checkMesh(mesh);
     grid = makeFieldGrid(mesh, options);
-    tell(progress, "building the hierarchy");
+    reportProgress(progress, "building the hierarchy");
     whole.emplace(mesh);
-    if (!check.open_edges.empty()) in_doubt = strandcast::shareInDoubt(mesh, *whole, kAway * options.cell);
+    if (!check.open_edges.empty()) in_doubt = strandcast::uncertainShare(mesh, *whole, kAway * options.cell);
     index = findBricks(grid, *whole, loop, progress, 0);
     const std::vector<uint32_t> found = candidates(index);
     const size_t corner_count = cornerRows() * (grid.bricks[0] + 1);
@@ -340,7 +340,7 @@ struct FieldBaker::Impl {
 
   static constexpr float kAway = 0.01f;  // distance in cells from the surface at which its sides are tested
 
-  static void tell(const BakeProgress& progress, const char* what) {
+  static void reportProgress(const BakeProgress& progress, const char* what) {
     if (progress && !progress(what, 0)) throw BakeStopped();
   }
 
@@ -418,9 +418,8 @@ struct FieldBaker::Impl {
           first ? walk.start(p, brick_clear || distances.clearOfLids({centre.x(), p.y(), p.z()}, half))
                 : walk.next(p, grid.cell);
       nearest = std::min(nearest, std::fabs(distance));
-      constexpr float kMost = std::numeric_limits<int16_t>::max();
-      const auto stored =
-          static_cast<int16_t>(std::lround(std::clamp(distance / grid.quantum, -kMost, kMost)));
+      constexpr float kMax = std::numeric_limits<int16_t>::max();
+      const auto stored = static_cast<int16_t>(std::lround(std::clamp(distance / grid.quantum, -kMax, kMax)));
       const uint32_t at = (k * kBrickSide + j) * kBrickSide + i;
       words[at / 2] |= uint32_t{static_cast<uint16_t>(stored)} << (16 * (at % 2));
     }
@@ -516,7 +515,7 @@ FieldBaker::~FieldBaker() = default;
 const FieldOptions& FieldBaker::options() const { return impl_->options; }
 const MeshCheck& FieldBaker::mesh() const { return impl_->check; }
 const SurfaceRepair& FieldBaker::repair() const { return impl_->repair; }
-double FieldBaker::shareInDoubt() const { return impl_->in_doubt; }
+double FieldBaker::uncertainShare() const { return impl_->in_doubt; }
 const BakeEstimate& FieldBaker::estimate() const { return impl_->estimate; }
 size_t FieldBaker::hiddenTriangles() const { return impl_->hidden; }
 

@@ -95,9 +95,9 @@ class FieldBaker {
   const FieldOptions& options() const;  ///< resolved
   const MeshCheck& mesh() const;        ///< of the oriented mesh
   const SurfaceRepair& repair() const;
-  /// Share of the surface with an uncertain inside-outside test, 0 to 1: see shareInDoubt in
+  /// Share of the surface with an uncertain inside-outside test, 0 to 1: see uncertainShare in
   /// body_distance.h. 0 for a closed mesh.
-  double shareInDoubt() const;
+  double uncertainShare() const;
   /// Warnings on repairs, and on where inside and outside stay uncertain. One line each, without the name of
   /// the mesh.
   std::vector<std::string> warnings() const;

@@ -59,11 +59,11 @@ void FieldCache::keep(uint64_t key, const DistanceField& field,
 }
 
 std::vector<std::string> FieldCache::warnings(uint64_t key) const {
-  constexpr size_t kMostLines = 16, kLongestLine = 1000;
+  constexpr size_t kMaxLines = 16, kLongestLine = 1000;
   std::vector<std::string> out;
   if (folder_.empty()) return out;
   std::ifstream stream(file(key, "txt"));
-  for (std::string line; out.size() < kMostLines && std::getline(stream, line);)
+  for (std::string line; out.size() < kMaxLines && std::getline(stream, line);)
     if (!line.empty()) out.push_back(line.substr(0, kLongestLine));
   return out;
 }

@@ -45,7 +45,7 @@ struct SceneField {
   /// FieldBaker::warnings, for cached fields, too, and kNoInside if the field has no inside.
   std::vector<std::string> warnings{};
 };
-constexpr double kBakeWorthSaying = 1;  ///< s: shorter bakes are not announced
+constexpr double kNotableBakeSeconds = 1;  ///< s: shorter bakes are not announced
 /// Called before a bake begins. `outlook`: one line for the user on time and memory, without the body's name.
 /// `seconds`: the estimated time.
 using BakeAnnouncement = std::function<void(const std::string& outlook, double seconds)>;

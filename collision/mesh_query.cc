@@ -28,7 +28,7 @@ struct Closest {
   int triangle = -1;
 };
 
-Point place(const Triangle& t, const Point& barycentric) {
+Point pointAt(const Triangle& t, const Point& barycentric) {
   return t[0] * barycentric[0] + t[1] * barycentric[1] + t[2] * barycentric[2];
 }
 
@@ -55,7 +55,7 @@ Point closestOnTriangle(const Triangle& t, const Point& p) {
   Point best = closestOnEdge(t, 0, 1, p);
   for (int i = 1; i < 3; ++i) {
     const Point other = closestOnEdge(t, i, (i + 1) % 3, p);
-    if ((place(t, other) - p).squaredNorm() < (place(t, best) - p).squaredNorm()) best = other;
+    if ((pointAt(t, other) - p).squaredNorm() < (pointAt(t, best) - p).squaredNorm()) best = other;
   }
   return best;
 }
@@ -187,7 +187,7 @@ struct MeshQuery::Impl {
     if (bv.isLeaf()) {
       const Triangle t = corners(bv.primitiveId());
       const Point barycentric = closestOnTriangle(t, p);
-      const double squared = (place(t, barycentric) - p).squaredNorm();
+      const double squared = (pointAt(t, barycentric) - p).squaredNorm();
       if (squared < best.squared) best = {squared, barycentric, bv.primitiveId()};
       return;
     }
@@ -252,7 +252,7 @@ MeshPoint MeshQuery::closest(const Vec3& point) const {
   MeshPoint out;
   if (best.triangle < 0) return out;  // the query point is not finite
   out.triangle = static_cast<uint32_t>(best.triangle);
-  out.position = place(impl_->corners(best.triangle), best.barycentric).cast<float>();
+  out.position = pointAt(impl_->corners(best.triangle), best.barycentric).cast<float>();
   out.barycentric = best.barycentric.cast<float>();
   out.distance = static_cast<float>(std::sqrt(best.squared));
   return out;

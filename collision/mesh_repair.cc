@@ -19,7 +19,7 @@
 namespace strandcast {
 
 std::vector<uint32_t> vertexPlaces(const std::vector<Vec3>& positions) {
-  std::vector<uint32_t> order(positions.size()), place(positions.size());
+  std::vector<uint32_t> order(positions.size()), position(positions.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto before = [&](uint32_t i, uint32_t j) {
     const Vec3 &a = positions[i], &b = positions[j];
@@ -27,9 +27,9 @@ std::vector<uint32_t> vertexPlaces(const std::vector<Vec3>& positions) {
   };
   std::sort(order.begin(), order.end(), before);
   for (size_t i = 0; i < order.size(); ++i)
-    place[order[i]] =
-        i > 0 && !before(order[i - 1], order[i]) ? place[order[i - 1]] : static_cast<uint32_t>(i);
-  return place;
+    position[order[i]] =
+        i > 0 && !before(order[i - 1], order[i]) ? position[order[i - 1]] : static_cast<uint32_t>(i);
+  return position;
 }
 
 void requireSoundMesh(const TriangleMesh& mesh) {
@@ -52,7 +52,7 @@ MeshCheck checkMesh(const TriangleMesh& mesh) {
   requireSoundMesh(mesh);
   MeshCheck check;
   check.triangles = mesh.triangles.size();
-  const std::vector<uint32_t> place = vertexPlaces(mesh.positions);
+  const std::vector<uint32_t> position = vertexPlaces(mesh.positions);
   struct Edge {
     uint64_t places;  // numbers of the two positions, the lower in the high half
     uint32_t from, to;
@@ -64,7 +64,7 @@ MeshCheck checkMesh(const TriangleMesh& mesh) {
     if (!((b - a).cross(c - a).norm() > 0)) ++check.without_area;
     for (int i = 0; i < 3; ++i) {
       const uint32_t from = t[i], to = t[(i + 1) % 3];
-      const uint64_t p = place[from], q = place[to];
+      const uint64_t p = position[from], q = position[to];
       if (p != q) edges.push_back({std::min(p, q) << 32 | std::max(p, q), from, to});
     }
   }
@@ -75,7 +75,7 @@ MeshCheck checkMesh(const TriangleMesh& mesh) {
     const Edge& first = edges[i];
     int excess = 0;
     for (; i < edges.size() && edges[i].places == first.places; ++i)
-      excess += place[edges[i].from] == place[first.from] ? 1 : -1;
+      excess += position[edges[i].from] == position[first.from] ? 1 : -1;
     const Vec3 &from = mesh.positions[first.from], &to = mesh.positions[first.to];
     if (excess > 0) check.open_edges.push_back({from, to, static_cast<float>(excess)});
     if (excess < 0) check.open_edges.push_back({to, from, static_cast<float>(-excess)});
@@ -241,10 +241,10 @@ bool SurfacePieces::weldOpenEdges(const TriangleMesh& mesh) {
     }
   }
   bool welded = false;
-  for (uint32_t& place : place_) {
-    const uint32_t one = same.find(place).first;
-    welded = welded || one != place;
-    place = one;
+  for (uint32_t& position : place_) {
+    const uint32_t one = same.find(position).first;
+    welded = welded || one != position;
+    position = one;
   }
   return welded;
 }
@@ -330,7 +330,7 @@ bool SurfacePieces::findRepeatedPolygons(const TriangleMesh& mesh, std::vector<u
 
 /// Of duplicates one stays, or none, whichever leaves an even number of triangles at the surrounding edges. A
 /// wall between two closed bodies is removed.
-void SurfacePieces::leaveOutRepeats(const TriangleMesh& mesh) {
+void SurfacePieces::removeDuplicates(const TriangleMesh& mesh) {
   const size_t triangles = mesh.triangles.size();
   std::vector<uint8_t> stands_for_many(triangles, 0);
   const bool any_triangles = findRepeatedTriangles(mesh, stands_for_many);
@@ -385,7 +385,7 @@ SurfacePieces::SurfacePieces(const TriangleMesh& mesh)
     : place_(vertexPlaces(mesh.positions)), repeated_(mesh.triangles.size(), 0) {
   gatherEdges(mesh);
   if (weldOpenEdges(mesh)) gatherEdges(mesh);
-  leaveOutRepeats(mesh);
+  removeDuplicates(mesh);
   join(mesh.triangles.size());
 }
 
@@ -404,17 +404,17 @@ struct Piece {
 
   bool isClosed() const { return !(open_length > 0); }
   /// Whether the majority by area is wound against the first triangle.
-  bool isMostlyAgainst() const { return 2 * area_against > area; }
+  bool isMajorityReversed() const { return 2 * area_against > area; }
   /// Volume with the winding of the majority, m^3; 0 if the piece is nearly flat and has no inside.
   double givenVolume() const {
     const double flat = (isClosed() ? 1e-9 : 3e-3) * std::pow(area, 1.5);
     if (!(std::fabs(volume) > flat)) return 0;
-    return isMostlyAgainst() ? -volume : volume;
+    return isMajorityReversed() ? -volume : volume;
   }
 };
 
 /// Decision on a piece.
-enum class Verdict : uint8_t { kStays, kIsTurned, kIsHollow, kIsLeftOut };
+enum class PieceState : uint8_t { kUnchanged, kReversed, kCavity, kDiscarded };
 
 class Orienter {
  public:
@@ -425,7 +425,7 @@ class Orienter {
     double volume = 0;
     for (const Piece& piece : pieces_) volume += piece.givenVolume();
     is_inside_out_ = volume < 0;
-    judge();
+    classifyPieces();
   }
 
   OrientedSurface result() && {
@@ -436,29 +436,29 @@ class Orienter {
     for (const uint8_t repeated : surface_.repeated()) repair.repeated += repeated;
     for (size_t p = 0; p < pieces_.size(); ++p) {
       const Piece& piece = pieces_[p];
-      if (verdicts_[p] == Verdict::kIsLeftOut) {
+      if (piece_states_[p] == PieceState::kDiscarded) {
         repair.inner += piece.triangles;
         continue;
       }
-      repair.turned_triangles += piece.isMostlyAgainst() ? piece.triangles - piece.against : piece.against;
-      repair.turned_pieces += verdicts_[p] == Verdict::kIsTurned ? 1 : 0;
-      repair.hollows += verdicts_[p] == Verdict::kIsHollow ? 1 : 0;
+      repair.turned_triangles += piece.isMajorityReversed() ? piece.triangles - piece.against : piece.against;
+      repair.turned_pieces += piece_states_[p] == PieceState::kReversed ? 1 : 0;
+      repair.hollows += piece_states_[p] == PieceState::kCavity ? 1 : 0;
     }
-    if (repair.changed()) mesh_.triangles = woundTriangles();
+    if (repair.changed()) mesh_.triangles = orientedTriangles();
     return {std::move(mesh_), repair};
   }
 
  private:
-  Point place(uint32_t vertex) const { return mesh_.positions[vertex].cast<double>(); }
+  Point position(uint32_t vertex) const { return mesh_.positions[vertex].cast<double>(); }
 
   void addTriangles() {
     for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const uint32_t p = surface_.pieceOf()[t];
       if (p == SurfacePieces::kNone) continue;
       const auto& [a, b, c] = mesh_.triangles[t];
-      const double area = 0.5 * (place(b) - place(a)).cross(place(c) - place(a)).norm();
+      const double area = 0.5 * (position(b) - position(a)).cross(position(c) - position(a)).norm();
       Piece& piece = pieces_[p];
-      if (piece.triangles++ == 0) piece.middle = place(a);
+      if (piece.triangles++ == 0) piece.middle = position(a);
       piece.area += area;
       if (surface_.against()[t] == 0) continue;
       ++piece.against;
@@ -492,11 +492,11 @@ class Orienter {
     const auto own = std::find_if(uses.begin(), uses.end(),
                                   [&](const EdgeUse& use) { return surface_.pieceOf()[use.triangle] == p; });
     const auto [from, to] = surface_.endsOf(mesh_, *own);
-    const double length = (place(to) - place(from)).norm();
+    const double length = (position(to) - position(from)).norm();
     Piece& piece = pieces_[p];
     if (piece.isClosed()) piece.middle.setZero();
     piece.open_length += length;
-    piece.middle += 0.5 * length * (place(from) + place(to));
+    piece.middle += 0.5 * length * (position(from) + position(to));
     piece.divides = piece.divides && uses.size() > 2;
   }
 
@@ -507,57 +507,57 @@ class Orienter {
       Piece& piece = pieces_[p];
       const auto& [a, b, c] = mesh_.triangles[t];
       const double six =
-          (place(a) - piece.middle).dot((place(b) - piece.middle).cross(place(c) - piece.middle));
+          (position(a) - piece.middle).dot((position(b) - piece.middle).cross(position(c) - piece.middle));
       piece.volume += (surface_.against()[t] == 0 ? six : -six) / 6;
     }
   }
 
   /// Whether the piece, with the winding of its majority, is wound against the rest.
-  bool isAgainstTheRest(const Piece& piece) const {
+  bool isOppositelyOriented(const Piece& piece) const {
     return is_inside_out_ ? piece.givenVolume() > 0 : piece.givenVolume() < 0;
   }
 
-  void judge() {
-    verdicts_.assign(pieces_.size(), Verdict::kStays);
+  void classifyPieces() {
+    piece_states_.assign(pieces_.size(), PieceState::kUnchanged);
     std::vector<uint32_t> unclear;  // pieces for which it matters whether they lie inside the others
     for (uint32_t p = 0; p < pieces_.size(); ++p) {
       const Piece& piece = pieces_[p];
-      if (isAgainstTheRest(piece)) verdicts_[p] = Verdict::kIsTurned;
-      if (pieces_.size() > 1 && (isAgainstTheRest(piece) || (!piece.isClosed() && piece.divides)))
+      if (isOppositelyOriented(piece)) piece_states_[p] = PieceState::kReversed;
+      if (pieces_.size() > 1 && (isOppositelyOriented(piece) || (!piece.isClosed() && piece.divides)))
         unclear.push_back(p);
     }
     if (unclear.empty()) return;
     // Of a triangle soup only the largest pieces are examined; the others keep the verdicts above.
-    constexpr size_t kMostUnclear = 4000, kSamplesOfAll = 100000, kSamplesOfOne = 100;
+    constexpr size_t kMaxUnclear = 4000, kSamplesOfAll = 100000, kSamplesOfOne = 100;
     std::stable_sort(unclear.begin(), unclear.end(),
                      [&](uint32_t a, uint32_t b) { return pieces_[a].area > pieces_[b].area; });
-    unclear.resize(std::min(unclear.size(), kMostUnclear));
+    unclear.resize(std::min(unclear.size(), kMaxUnclear));
     const size_t samples = std::min(kSamplesOfOne, kSamplesOfAll / unclear.size());
     const MeshQuery all(outward());
     std::vector<TriangleMesh> own = outwardPieces(unclear);
     for (size_t i = 0; i < unclear.size(); ++i) {
       const Piece& piece = pieces_[unclear[i]];
-      const Surrounded surrounded = surroundedBy(all, own[i], samples);
-      if (!piece.isClosed() && piece.divides && surrounded.wholly > kNearlyAll)
-        verdicts_[unclear[i]] = Verdict::kIsLeftOut;
-      else if (isAgainstTheRest(piece) &&
-               (piece.isClosed() ? surrounded.wholly > kNearlyAll : surrounded.mean > 0.5))
-        verdicts_[unclear[i]] = Verdict::kIsHollow;
+      const Enclosure surrounded = enclosureOf(all, own[i], samples);
+      if (!piece.isClosed() && piece.divides && surrounded.wholly > kEnclosedShare)
+        piece_states_[unclear[i]] = PieceState::kDiscarded;
+      else if (isOppositelyOriented(piece) &&
+               (piece.isClosed() ? surrounded.wholly > kEnclosedShare : surrounded.mean > 0.5))
+        piece_states_[unclear[i]] = PieceState::kCavity;
     }
   }
 
-  static constexpr double kNearlyAll = 0.95;
+  static constexpr double kEnclosedShare = 0.95;
 
   /// How far a piece lies inside the others.
-  struct Surrounded {
+  struct Enclosure {
     double wholly = 0;  ///< share of its area that lies inside
     double mean = 0;    ///< mean winding number of the others, unsigned
   };
-  static Surrounded surroundedBy(const MeshQuery& all, const TriangleMesh& piece, size_t count) {
+  static Enclosure enclosureOf(const MeshQuery& all, const TriangleMesh& piece, size_t count) {
     constexpr double kWithin = 0.75;
     const MeshQuery own(piece);
     const std::vector<SurfaceSample> samples = sampleSurface(piece, count);
-    Surrounded out;
+    Enclosure out;
     for (const SurfaceSample& sample : samples) {
       const double others =
           std::fabs(double{all.windingNumber(sample.position)} - double{own.windingNumber(sample.position)});
@@ -569,8 +569,8 @@ class Orienter {
   }
 
   /// Whether triangle t must be reversed to match the majority of its piece.
-  bool isTurnedInPiece(size_t t) const {
-    return (surface_.against()[t] != 0) != pieces_[surface_.pieceOf()[t]].isMostlyAgainst();
+  bool isReversedInPiece(size_t t) const {
+    return (surface_.against()[t] != 0) != pieces_[surface_.pieceOf()[t]].isMajorityReversed();
   }
 
   static void turn(std::array<uint32_t, 3>& triangle) { std::swap(triangle[1], triangle[2]); }
@@ -604,18 +604,18 @@ class Orienter {
     const uint32_t p = surface_.pieceOf()[t];
     if (p == SurfacePieces::kNone) return;
     out.triangles.push_back(mesh_.triangles[t]);
-    if (isTurnedInPiece(t) != isAgainstTheRest(pieces_[p])) turn(out.triangles.back());
+    if (isReversedInPiece(t) != isOppositelyOriented(pieces_[p])) turn(out.triangles.back());
   }
 
-  std::vector<std::array<uint32_t, 3>> woundTriangles() const {
+  std::vector<std::array<uint32_t, 3>> orientedTriangles() const {
     std::vector<std::array<uint32_t, 3>> triangles;
     for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const uint32_t p = surface_.pieceOf()[t];
       if (surface_.repeated()[t] != 0) continue;
-      if (p != SurfacePieces::kNone && verdicts_[p] == Verdict::kIsLeftOut) continue;
+      if (p != SurfacePieces::kNone && piece_states_[p] == PieceState::kDiscarded) continue;
       triangles.push_back(mesh_.triangles[t]);
       if (p == SurfacePieces::kNone) continue;
-      const bool is_turned = isTurnedInPiece(t) != (verdicts_[p] == Verdict::kIsTurned);
+      const bool is_turned = isReversedInPiece(t) != (piece_states_[p] == PieceState::kReversed);
       if (is_turned != is_inside_out_) turn(triangles.back());
     }
     return triangles;
@@ -624,7 +624,7 @@ class Orienter {
   TriangleMesh mesh_;
   const SurfacePieces surface_;
   std::vector<Piece> pieces_;
-  std::vector<Verdict> verdicts_;
+  std::vector<PieceState> piece_states_;
   bool is_inside_out_ = false;
 };
 

@@ -115,7 +115,7 @@ class SurfacePieces {
   bool findRepeatedPolygons(const TriangleMesh& mesh, std::vector<uint8_t>& many);
   bool isCrowded() const;
   bool isFolded(const TriangleMesh& mesh, std::span<const EdgeUse> uses) const;
-  void leaveOutRepeats(const TriangleMesh& mesh);
+  void removeDuplicates(const TriangleMesh& mesh);
   void join(size_t triangles);
   uint64_t placesOf(uint32_t from, uint32_t to) const;
   bool isFlat(const std::array<uint32_t, 3>& triangle) const;

@@ -45,9 +45,9 @@ class Refiner {
   }
 
   FineSkin run() {
-    constexpr int kMostRounds = 5;       // down to 1/32 of an edge
+    constexpr int kMaxRounds = 5;        // down to 1/32 of an edge
     constexpr size_t kEnough = 100'000;  // triangles; a round at most quadruples them
-    for (int round = 0; round < kMostRounds && fine_.triangles.size() < kEnough; ++round)
+    for (int round = 0; round < kMaxRounds && fine_.triangles.size() < kEnough; ++round)
       if (!splitOnce()) break;
     return std::move(fine_);
   }
@@ -88,7 +88,7 @@ class Refiner {
   /// Halves each edge along which weights change too much, and long edges next to such places. The decision
   /// depends only on the edge's ends, so the triangles on both sides still share vertices.
   bool splitOnce() {
-    // Per vertex, the shortest length over which weights change by kMostChange along an edge, m.
+    // Per vertex, the shortest length over which weights change by kMaxChange along an edge, m.
     std::vector<double> ways(fine_.positions.size(), std::numeric_limits<double>::max());
     std::map<std::pair<uint32_t, uint32_t>, double> changes;
     for (const auto& t : fine_.triangles)
@@ -99,11 +99,11 @@ class Refiner {
         known->second = change(edge.first, edge.second);
         if (!(known->second > 0)) continue;
         for (const uint32_t v : {edge.first, edge.second})
-          ways[v] = std::min(ways[v], kMostChange / known->second * lengthOf(edge));
+          ways[v] = std::min(ways[v], kMaxChange / known->second * lengthOf(edge));
       }
     const auto isSplit = [&](const std::pair<uint32_t, uint32_t>& edge, double changed) {
       const auto [less, more] = std::minmax(ways[edge.first], ways[edge.second]);
-      return changed > kMostChange || (more > 2 * less && lengthOf(edge) > 2 * less);
+      return changed > kMaxChange || (more > 2 * less && lengthOf(edge) > 2 * less);
     };
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
     for (const auto& [edge, changed] : changes)
@@ -158,7 +158,7 @@ class Refiner {
 
   static constexpr uint32_t kNone = ~0u;
   // Less than half of a part between joints, since adjacent parts overlap by as much.
-  static constexpr double kMostChange = 0.08;
+  static constexpr double kMaxChange = 0.08;
   const SkinnedMesh& skin_;
   FineSkin fine_;
 };
@@ -251,7 +251,7 @@ class Cutter {
       Pair& pair = pairs_.try_emplace({place.a, place.b}, Pair{between}).first->second;
       pair.area += areaOf(triangle);
     }
-    const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest());
+    const std::vector<Placement> world = skin.skeleton.worldTransforms(skin.skeleton.rest());
     const std::vector<Placement> rest = skin.bindingsAt(world);
     for (size_t b = 0; b < skin.bindings.size(); ++b) {
       const Eigen::Matrix3d linear = rest[b].linear();
@@ -268,20 +268,20 @@ class Cutter {
   }
 
   std::vector<SkinPart> run() {
-    for (assign(); cores_.size() > kMostSkinParts; assign()) {
+    for (assign(); cores_.size() > kMaxSkinParts; assign()) {
       bool less = false;
       if (cells_ > 1 && !boxes_.empty()) {
         cells_ = 1;
         continue;
       }
-      for (size_t over = cores_.size() - kMostSkinParts; over > 0 && lessBetween(); --over) less = true;
+      for (size_t over = cores_.size() - kMaxSkinParts; over > 0 && lessBetween(); --over) less = true;
       if (!less && cells_ > 0 && !boxes_.empty()) {
         cells_ = 0;
         continue;
       }
       if (!less)
         throw Error(fmt::format("{} joints carry the mesh", cores_.size()), skin_.mesh.name,
-                    fmt::format("export it with {} at most", kMostSkinParts));
+                    fmt::format("export it with {} at most", kMaxSkinParts));
     }
     std::vector<SkinPart> parts;
     for (const auto& [key, core] : cores_) parts.push_back(partOf(key, core));
@@ -335,13 +335,13 @@ class Cutter {
   }
   /// Per triangle, whether a target moves one of its corners when the joints are at rest.
   std::vector<bool> movedByTargets(std::span<const Placement> rest) const {
-    constexpr double kLeast = 1e-5;  // m, at a weight of 1
+    constexpr double kMin = 1e-5;  // m, at a weight of 1
     std::vector<bool> vertices;
     for (const std::vector<SkinShare>& shares : fine_.shares)
       vertices.push_back(std::any_of(shares.begin(), shares.end(), [&](const SkinShare& share) {
         if (share.binding < skin_.bindings.size()) return false;
         const uint32_t binding = skin_.target_bindings[share.binding - skin_.bindings.size()].binding;
-        return (rest[binding].linear() * share.stored.head<3>()).norm() > kLeast;
+        return (rest[binding].linear() * share.stored.head<3>()).norm() > kMin;
       }));
     std::vector<bool> out;
     for (const auto& t : fine_.triangles)
@@ -551,10 +551,10 @@ Pose partPose(const SkinPart& part, std::span<const Placement> bindings) {
 
 SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, const Pose& pose) {
   using Products = Eigen::Matrix<double, 10, 1>;
-  constexpr double kLean = 1e-4;   // regularisation towards no bend, where samples do not determine it
-  constexpr double kOff = 0.05;    // share of the part's size: distance from the skin up to which the bend is
-                                   // to move space with the skin
-  constexpr double kLeast = 1e-5;  // m
+  constexpr double kLean = 1e-4;  // regularisation towards no bend, where samples do not determine it
+  constexpr double kOff = 0.05;   // share of the part's size: distance from the skin up to which the bend is
+                                  // to move space with the skin
+  constexpr double kMin = 1e-5;   // m
   const Eigen::Vector3d middle = part.middle;
   const Eigen::Quaterniond back = pose.rotation.cast<double>().conjugate();
   double size = 0;
@@ -579,7 +579,7 @@ SurfaceBend partBend(const SkinPart& part, std::span<const Placement> bindings, 
   }
   SurfaceBend bend;
   bend.middle = middle.cast<float>();
-  if (!(farthest > kLeast)) return bend;
+  if (!(farthest > kMin)) return bend;
   for (int i = 1; i < 10; ++i) squares(i, i) += kLean * static_cast<double>(part.samples.size());
   const Eigen::Matrix<double, 10, 3> terms = squares.selfadjointView<Eigen::Lower>().ldlt().solve(rights);
   for (int i = 0; i < 10; ++i) {

@@ -56,7 +56,7 @@ struct SkinPart {
   std::vector<Sample> samples;
 };
 
-/// Cuts a skinned mesh, refined as FineSkin, into at most kMostSkinParts closed parts.
+/// Cuts a skinned mesh, refined as FineSkin, into at most kMaxSkinParts closed parts.
 ///
 /// A triangle belongs to the two joints with the largest sums of weights over its corners, and to a part by
 /// the ratio of these sums. Each joint has a rigid part of its own. Between two joints there are `between` (0
@@ -67,7 +67,7 @@ struct SkinPart {
 ///
 /// Throws Error on a joint whose matrix at rest has no inverse, and on too many joints.
 std::vector<SkinPart> cutSkin(const SkinnedMesh& skin, int between = 5);
-inline constexpr size_t kMostSkinParts = 100;
+inline constexpr size_t kMaxSkinParts = 100;
 
 /// Motion of a part from rest. A part whose vertices are weighted to one joint moves with that joint. Other
 /// parts have the rigid motion that fits their blended vertices best in the least-squares sense. `bindings`:

@@ -29,7 +29,7 @@ struct TiedRoot {
 };
 
 /// The joint with the largest weight at a point of the skin, and whether it has all the weight.
-std::pair<uint32_t, bool> mostOf(const SkinnedMesh& skin, const MeshPoint& on) {
+std::pair<uint32_t, bool> dominantJoint(const SkinnedMesh& skin, const MeshPoint& on) {
   std::map<uint32_t, float> weights;
   for (int c = 0; c < 3; ++c)
     for (const auto& [binding, weight] : skin.influences[skin.mesh.triangles[on.triangle][c]])
@@ -79,7 +79,7 @@ float cellOf(const std::vector<TiedRoot>& roots, const BoneKey& head, size_t mos
 SkinRoots::SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, uint32_t joint,
                      const StrandSet& strands, size_t most)
     : root_bones_(strands.strands(), 0) {
-  const std::vector<Placement> rest = skin.bindingsAt(skin.skeleton.place(skin.skeleton.rest()));
+  const std::vector<Placement> rest = skin.bindingsAt(skin.skeleton.worldTransforms(skin.skeleton.rest()));
   rest_weights_ = skin.restWeights();
   joint_bindings_ = skin.bindings.size();
   for (size_t b = 0; b < joint_bindings_; ++b) back_.push_back(rest[b].linear().inverse());
@@ -90,7 +90,7 @@ SkinRoots::SkinRoots(const SkinnedMesh& skin, const std::vector<bool>& rigid, ui
   for (size_t s = 0; s < strands.strands(); ++s) {
     const MeshPoint on = query.closest(strands.strand(s)[0]);
     if (on.distance > kFarthestFromSkin) continue;
-    const auto [carrier, all] = mostOf(skin, on);
+    const auto [carrier, all] = dominantJoint(skin, on);
     roots.push_back({s, on, carrier, all && rigid[carrier] && !isMoved(skin, shares, on)});
   }
   const BoneKey head{joint, kNoCell, 0, 0};
@@ -160,7 +160,7 @@ void SkinRoots::addPoint(const SkinnedMesh& skin, const std::vector<std::vector<
 
 /// Rotation of the triangle under a root by targets, with joints at rest: the rotation nearest to the linear
 /// map of its edges and normal.
-Eigen::Matrix3d SkinRoots::turnByTargets(const Point& point, std::span<const float> weights) const {
+Eigen::Matrix3d SkinRoots::rotationByTargets(const Point& point, std::span<const float> weights) const {
   Columns edges = point.edges;
   for (const Tilt& tilt : point.tilts)
     edges += (static_cast<double>(weights[tilt.target]) - static_cast<double>(rest_weights_[tilt.target])) *
@@ -197,7 +197,7 @@ void SkinRoots::place(std::span<const Placement> bindings, std::span<const float
       now += bindings[term.binding].matrix() * term.stored;
       if (term.binding < joint_bindings_) turn += term.stored[3] * turns[term.binding];
     }
-    if (!points_[p].tilts.empty() && !weights.empty()) turn = turn * turnByTargets(points_[p], weights);
+    if (!points_[p].tilts.empty() && !weights.empty()) turn = turn * rotationByTargets(points_[p], weights);
     const Quat rotation = nearestRotation(turn);
     poses[p] = {Vec3((now - rotation.cast<double>() * points_[p].rest).cast<float>()), rotation};
   }

@@ -66,7 +66,7 @@ class SkinRoots {
   void addPoint(const SkinnedMesh& skin, const std::vector<std::vector<SkinShare>>& shares,
                 std::span<const Placement> rest, const std::array<uint32_t, 3>& triangle,
                 const Vec3& barycentric);
-  Eigen::Matrix3d turnByTargets(const Point& point, std::span<const float> weights) const;
+  Eigen::Matrix3d rotationByTargets(const Point& point, std::span<const float> weights) const;
 
   std::vector<Point> points_;
   std::vector<float> rest_weights_;    ///< per target

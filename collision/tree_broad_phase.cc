@@ -18,7 +18,7 @@ class BoxObject {
   BoxObject(const BoxObject&) = delete;
   BoxObject& operator=(const BoxObject&) = delete;
 
-  void place(const Box& box) {
+  void update(const Box& box) {
     shape_->aabb_local = fcl::AABBd(box.min().cast<double>(), box.max().cast<double>());
     object_.computeAABB();
   }
@@ -34,8 +34,9 @@ bool endless(const Box& box) { return box.sizes().maxCoeff() >= kEndless; }
 
 class TreeBroadPhase final : public BroadPhase {
  public:
-  void find(std::span<const Box> bodies, std::span<const Box> neighbourhoods, NearBodyLists& out) override {
-    place(bodies);
+  void findPairs(std::span<const Box> bodies, std::span<const Box> neighbourhoods,
+                 NearBodyLists& out) override {
+    update(bodies);
     out.offsets.assign(1, 0);
     out.bodies.clear();
     for (const Box& neighbourhood : neighbourhoods) {
@@ -44,7 +45,7 @@ class TreeBroadPhase final : public BroadPhase {
         for (uint32_t i = 0; i < bodies.size(); ++i) out.bodies.push_back(i);
       } else {
         out.bodies.insert(out.bodies.end(), outside_.begin(), outside_.end());
-        query_.place(neighbourhood);
+        query_.update(neighbourhood);
         tree_.collide(query_.object(), &out.bodies, note);
         std::sort(out.bodies.begin() + first, out.bodies.end());
       }
@@ -59,12 +60,12 @@ class TreeBroadPhase final : public BroadPhase {
   }
 
   /// Updates the tree. Unbounded boxes stay outside: they would enlarge the tree's boxes without bound.
-  void place(std::span<const Box> bodies) {
+  void update(std::span<const Box> bodies) {
     bool same = bodies.size() == objects_.size();
     for (size_t i = 0; same && i < bodies.size(); ++i) same = endless(bodies[i]) == (objects_[i] == nullptr);
     if (same) {
       for (size_t i = 0; i < bodies.size(); ++i)
-        if (objects_[i] != nullptr) objects_[i]->place(bodies[i]);
+        if (objects_[i] != nullptr) objects_[i]->update(bodies[i]);
       tree_.update();
       return;
     }
@@ -78,7 +79,7 @@ class TreeBroadPhase final : public BroadPhase {
         outside_.push_back(i);
         continue;
       }
-      objects_[i]->place(bodies[i]);
+      objects_[i]->update(bodies[i]);
       in_tree.push_back(objects_[i]->object());
     }
     tree_.registerObjects(in_tree);

@@ -117,7 +117,7 @@ inline word firstByte(const word& entries) { return entries * splat(kBrickWords 
 
 // Lower bound of the distance, from the stored value at the nearest corner of the cell or, beyond the band, of the
 // brick.
-inline real leastByCorner(const SubstepBody& body, const FieldLookup& found, const mask& lanes) {
+inline real cornerLowerBound(const SubstepBody& body, const FieldLookup& found, const mask& lanes) {
   const FieldGrid& grid = found.grid;
   const FieldPlace& place = found.place;
   const auto nearest = [](const real3& t) {
@@ -157,7 +157,7 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
   const mask outside = found.side > lit(0.5), away = lanes && outside;
   out.even = lit(0);
   out.least = lit(grid.band);
-  if (anyTrue(away)) out.least = max(out.least, leastByCorner(body, found, away));
+  if (anyTrue(away)) out.least = max(out.least, cornerLowerBound(body, found, away));
   const mask near = lanes && !outside;
   if (!anyTrue(near)) {  // no lane is near enough for contact
     out.normal = none;
@@ -281,14 +281,14 @@ inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const rea
 
 // Lower bound of the distance of points from the surface, m. Cheaper than surfaceAt() for fields, ellipsoids and convex
 // bodies.
-[[gnu::noinline]] inline real leastDistance(const SubstepBody& body, const real3& x) {
+[[gnu::noinline]] inline real distanceLowerBound(const SubstepBody& body, const real3& x) {
   const mask all = lit(0) < lit(1);
   if (body.kind == PrimitiveKind::kField) {
     const real3 local = rotateBack(spread(body.rotation), x - spread(body.a));
-    if (!isBent(body)) return leastByCorner(body, sampleField(body, local, all), all);
+    if (!isBent(body)) return cornerLowerBound(body, sampleField(body, local, all), all);
     const MovingBend moving = movingBendOf(body);
     const FieldLookup found = sampleField(body, local + bendShift(bendAt(moving, body.time), local), all);
-    return leastByCorner(body, found, all) / lit(moving.stretch);
+    return cornerLowerBound(body, found, all) / lit(moving.stretch);
   }
   if (body.kind == PrimitiveKind::kEllipsoid || body.kind == PrimitiveKind::kConvex)
     return length(x - spread(body.middle)) - lit(body.ball);

@@ -8,7 +8,8 @@ namespace {
 
 class AllPairs final : public BroadPhase {
  public:
-  void find(std::span<const Box> bodies, std::span<const Box> neighbourhoods, NearBodyLists& out) override {
+  void findPairs(std::span<const Box> bodies, std::span<const Box> neighbourhoods,
+                 NearBodyLists& out) override {
     out.offsets.assign(1, 0);
     out.bodies.clear();
     for (const Box& neighbourhood : neighbourhoods) {

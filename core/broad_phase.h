@@ -30,7 +30,8 @@ class BroadPhase {
   virtual ~BroadPhase() = default;
   /// Fills `out` with the primitives whose boxes overlap that of each neighbourhood. `bodies`: one box per
   /// primitive; all boxes are swept over the step.
-  virtual void find(std::span<const Box> bodies, std::span<const Box> neighbourhoods, NearBodyLists& out) = 0;
+  virtual void findPairs(std::span<const Box> bodies, std::span<const Box> neighbourhoods,
+                         NearBodyLists& out) = 0;
 };
 
 /// Tests all pairs: the fastest choice for a few bodies.

@@ -23,7 +23,7 @@ namespace {
 
 /// Shortest half axis of an ellipsoid, m. Distances are computed in units of it, and those of far points must
 /// remain finite.
-constexpr float kLeastHalfAxis = 1e-6f;
+constexpr float kMinHalfAxis = 1e-6f;
 
 void put(float (&out)[3], const Vec3& v) {
   for (int c = 0; c < 3; ++c) out[c] = v[c];
@@ -86,7 +86,7 @@ void checkPrimitive(const ContactPrimitive& p, const std::string& where) {
     throw Error("a body's rotation is not of unit length", where, "normalise it");
   if ((p.kind == PrimitiveKind::kEllipsoid || p.kind == PrimitiveKind::kBox) && !(p.extent.minCoeff() > 0))
     throw Error("a body has no extent", where, "give half axes or half edges above 0");
-  if (p.kind == PrimitiveKind::kEllipsoid && !(p.extent.minCoeff() >= kLeastHalfAxis))
+  if (p.kind == PrimitiveKind::kEllipsoid && !(p.extent.minCoeff() >= kMinHalfAxis))
     throw Error("an ellipsoid's half axis is shorter than a micrometre", where, "give it in metres");
   if (p.kind == PrimitiveKind::kEllipsoid && p.extent.maxCoeff() > 100 * p.extent.minCoeff())
     throw Error("an ellipsoid's half axes differ by more than a factor of 100", where,
@@ -237,7 +237,7 @@ Box sweptBox(const MovingPrimitive& p) {
 
 namespace {
 
-constexpr size_t kMostPlanes = 1024;  // each contact query tests all of them
+constexpr size_t kMaxPlanes = 1024;  // each contact query tests all of them
 
 }  // namespace
 
@@ -276,8 +276,8 @@ ConvexBody convexBody(const TriangleMesh& mesh, float tolerance) {
             fmt::format("the mesh is not convex: a vertex lies {:.3g} m outside a triangle's plane", before),
             fmt::format("{}, triangle {}", name, t), "bake a distance field of it instead");
     }
-    if (body.planes.size() == kMostPlanes)
-      throw Error(fmt::format("the convex body has more than {} planes", kMostPlanes), name,
+    if (body.planes.size() == kMaxPlanes)
+      throw Error(fmt::format("the convex body has more than {} planes", kMaxPlanes), name,
                   "bake a distance field of it instead");
     const Eigen::Vector3f n = normal.cast<float>();
     body.planes.push_back({n.x(), n.y(), n.z(), static_cast<float>(distance)});

@@ -66,7 +66,7 @@ bool DistanceField::hasInside() const {
 }
 
 std::vector<uint32_t> DistanceField::evenness() const {
-  constexpr int kMostCells = 2;
+  constexpr int kMaxCells = 2;
   std::vector<uint32_t> words((storedBricks() + kEvennessesPerWord - 1) / kEvennessesPerWord);
   const auto brickAt = [&](const int(&at)[3]) -> const uint32_t* {
     for (int axis = 0; axis < 3; ++axis)
@@ -101,7 +101,7 @@ std::vector<uint32_t> DistanceField::evenness() const {
         const uint32_t* brick = brickAt(at);
         if (brick == nullptr) continue;
         uint32_t even = 0;
-        while (static_cast<int>(even) <= kMostCells && isEven(at, static_cast<int>(even))) ++even;
+        while (static_cast<int>(even) <= kMaxCells && isEven(at, static_cast<int>(even))) ++even;
         const auto entry = static_cast<uint32_t>((brick - samples.data()) / kBrickWords);
         words[entry / kEvennessesPerWord] |= even << (2 * (entry % kEvennessesPerWord));
       }
@@ -225,7 +225,7 @@ Vec3 SurfaceBend::shift(const Vec3& p) const {
 }
 
 Vec3 SurfaceBend::placed(const Vec3& rest) const {
-  constexpr int kMostRounds = 8, kMostHalvings = 4;
+  constexpr int kMaxRounds = 8, kMaxHalvings = 4;
   constexpr float kNear = 1e-6f;  // m, residual
   const kernels::f32::Bend bend = kernelBend(terms);
   const Vec3 from_middle = rest - middle;
@@ -235,7 +235,7 @@ Vec3 SurfaceBend::placed(const Vec3& rest) const {
   // The fixed-point iteration x = rest - w(x) diverges where skin is compressed so much that w changes faster
   // than x. Newton steps with halving never increase the residual.
   Vec3 x = from_middle, off = offAt(x);
-  for (int round = 0; round < kMostRounds && off.norm() > kNear; ++round) {
+  for (int round = 0; round < kMaxRounds && off.norm() > kNear; ++round) {
     real3 by_x, by_y, by_z;
     kernels::f32::bendRates(bend, toKernel(x), by_x, by_y, by_z);
     Eigen::Matrix3f rates = Eigen::Matrix3f::Identity();
@@ -244,7 +244,7 @@ Vec3 SurfaceBend::placed(const Vec3& rest) const {
     rates.col(2) += fromKernel(by_z);
     Vec3 step = -(rates.inverse() * off);
     Vec3 next = x + step, next_off = offAt(next);
-    for (int half = 0; half < kMostHalvings && !(next_off.norm() < off.norm()); ++half) {
+    for (int half = 0; half < kMaxHalvings && !(next_off.norm() < off.norm()); ++half) {
       step *= 0.5f;
       next = x + step;
       next_off = offAt(next);

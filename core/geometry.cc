@@ -50,10 +50,10 @@ Quat nearestRotation(const Eigen::Matrix3d& matrix) {
   constexpr double kNear = 0.2,
                    kRounding =
                        1e-8;  // of the determinant, after scaling to the norm of a rotation; of entries
-  constexpr int kMostRounds = 20;
+  constexpr int kMaxRounds = 20;
   Eigen::Matrix3d near = matrix * (std::sqrt(3.0) / matrix.norm());
   double change = near.determinant() > kNear ? 1 : 0;
-  for (int round = 0; round < kMostRounds && change > 0; ++round) {
+  for (int round = 0; round < kMaxRounds && change > 0; ++round) {
     const Eigen::Matrix3d next = 0.5 * (near + near.inverse().transpose());
     change = (next - near).cwiseAbs().maxCoeff();
     near = next;

@@ -111,29 +111,29 @@ double rangeAlong(const RootTipCurve& radius, int power, const RootTipCurve& oth
 /// Bounds on taper so that the solver works in float: masses and stiffnesses at both ends of a strand are in
 /// one system.
 void checkTaper(const Material& material, const std::string& where) {
-  constexpr double kMostRadii = 100, kMostBending = 1e10, kMostMass = 1e4, kRounding = 1e-6;
+  constexpr double kMaxRadii = 100, kMaxBending = 1e10, kMaxMass = 1e4, kRounding = 1e-6;
   const RootTipCurve even, &radius = material.radius_scale;
   const auto check = [&](double times, double most, const char* who, const char* how, const char* what) {
     if (times > most * (1 + kRounding))
       throw Error(fmt::format("{} hair {:g} times as {} at one place as at another", who, times, how), where,
                   fmt::format("make {} differ by a factor of at most {:g}", what, most));
   };
-  check(rangeAlong(radius, 1, even), kMostRadii, "'radius_curve' makes", "thick", "its factors");
-  check(rangeAlong(radius, 4, material.stiffness_scale), kMostBending,
+  check(rangeAlong(radius, 1, even), kMaxRadii, "'radius_curve' makes", "thick", "its factors");
+  check(rangeAlong(radius, 4, material.stiffness_scale), kMaxBending,
         "'radius_curve' and 'stiffness_curve' make", "stiff", "radius^4 x stiffness");
-  check(rangeAlong(radius, 2, material.density_scale), kMostMass, "'radius_curve' and 'density_curve' make",
+  check(rangeAlong(radius, 2, material.density_scale), kMaxMass, "'radius_curve' and 'density_curve' make",
         "heavy", "radius^2 x density");
 }
 
 /// A scale times its curve must be in the range of either alone.
 void checkProduct(const char* name, float scale, const char* curve_name, const RootTipCurve& curve,
                   const std::string& where) {
-  constexpr double kMost = 1e3, kRounding = 1e-6;
+  constexpr double kMax = 1e3, kRounding = 1e-6;
   double most = 0;
   for (const auto& [place, factor] : curve.knots) most = std::max<double>(most, factor);
-  if (scale * most > kMost * (1 + kRounding))
+  if (scale * most > kMax * (1 + kRounding))
     throw Error(fmt::format("'{}' x '{}' is up to {:g}", name, curve_name, scale * most), where,
-                fmt::format("give at most {:g}", kMost));
+                fmt::format("give at most {:g}", kMax));
 }
 
 void setShearModulus(Material& material, double shear, const std::string& where) {

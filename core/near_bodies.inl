@@ -71,7 +71,7 @@ class NearBodies {
     if (all_) return;
     for (size_t i = 0; i < candidates(); ++i) {
       if (!mayReach(bodies_[candidate(i)], box)) continue;
-      if (count_ == kMost) {  // then all candidates are taken
+      if (count_ == kMax) {  // then all candidates are taken
         all_ = true;
         break;
       }
@@ -87,7 +87,7 @@ class NearBodies {
     for (size_t i = 0; i < placedBodies(); ++i) placed_[i] = place(i, input, time);
     input_ = &input;
     time_ = time;
-    noteMotions();
+    groupMotions();
   }
   /// Sets the positions of the roots at the end of the substep, and finds the bodies that cover some of them. Call it
   /// after place().
@@ -137,7 +137,7 @@ class NearBodies {
 
   /// Initialises bounds and travel. Call it at the start of a step, before queueContactQuery(). `rows`: memory for
   /// contactScratch() numbers.
-  void findSeparationBounds(const StepInput& input, Scalar* rows) {
+  void initSeparationBounds(const StepInput& input, Scalar* rows) {
     const StepScope scope{StepPart::kContact};
     rows_ = rows;
     separation_bounds_ = rows + static_cast<size_t>(kContactPlanes) * block_.vertices * kLanes;
@@ -154,7 +154,7 @@ class NearBodies {
         if (i > 1 && !anyTrue(!(own[k] > lit(kFarOff)))) {
           separationBound(i, k) = static_cast<Scalar>(kFarOff);
         } else {
-          own[k] = leastDistance(placed_[k], x) - pressed;
+          own[k] = distanceLowerBound(placed_[k], x) - pressed;
           // A NaN lane must not hide the bodies of the other lanes.
           separationBound(i, k) = reduceMin(select(own[k] > lit(-1e9), own[k], lit(-1e9)));
         }
@@ -245,7 +245,7 @@ class NearBodies {
   }
 
  private:
-  static constexpr size_t kMost = 64;
+  static constexpr size_t kMax = 64;
   static constexpr double kFarOff = 0.01;      // m, more than most vertices travel in a step
   static_assert(kPlacedBodies % kLanes == 0);  // bounds are read as vectors
 
@@ -272,7 +272,7 @@ class NearBodies {
       const real room = length(roots_ - spread(body.middle)) - lit(body.ball);
       if (!anyTrue(room < clear)) return clear - room;
     }
-    return clear - surfaceAt(body, roots_, pushedByNothing(), lit(0) < lit(1)).distance;
+    return clear - surfaceAt(body, roots_, noClearance(), lit(0) < lit(1)).distance;
   }
   // Arc length of vertex i from its root, m.
   real arcLength(int i) const {
@@ -327,8 +327,8 @@ class NearBodies {
     kFriction = kCarried + 3,
     kPlanesEnd
   };
-  static constexpr int kPlaneRows = kPlanesEnd - kPlanes, kMostPlanes = 2;
-  static_assert(kPlanes + kMostPlanes * kPlaneRows == kContactPlanes);
+  static constexpr int kPlaneRows = kPlanesEnd - kPlanes, kMaxPlanes = 2;
+  static_assert(kPlanes + kMaxPlanes * kPlaneRows == kContactPlanes);
   Scalar* row(int plane, int i) const { return rows_ + (static_cast<size_t>(i) * kContactPlanes + plane) * kLanes; }
   real get(int plane, int i) const { return load(row(plane, i)); }
   real3 get3(int plane, int i) const { return {get(plane, i), get(plane + 1, i), get(plane + 2, i)}; }
@@ -474,7 +474,7 @@ class NearBodies {
     return std::sqrt(shift2) + std::sqrt(turn2) * static_cast<Scalar>(radius_);
   }
   // Collects the motions of the placed bodies; bodies with nearly equal motions share one.
-  void noteMotions() {
+  void groupMotions() {
     constexpr Scalar kAlike = static_cast<Scalar>(1e-4);  // m
     motions_ = 0;
     for (size_t k = 0; k < placedBodies(); ++k) {
@@ -535,7 +535,7 @@ class NearBodies {
     low = {low.x - far, low.y - far, low.z - far};
     high = {high.x + far, high.y + far, high.z + far};
 
-    alignas(64) Scalar lanes[6][kMostLanes];
+    alignas(64) Scalar lanes[6][kMaxLanes];
     const real bounds[6] = {low.x, low.y, low.z, high.x, high.y, high.z};
     for (int k = 0; k < 6; ++k) store(bounds[k], lanes[k]);
     Box box;
@@ -563,7 +563,7 @@ class NearBodies {
   std::span<const MovingPrimitive> bodies_;
   std::span<const uint32_t> listed_;
   bool is_listed_ = false;
-  uint32_t near_[kMost];
+  uint32_t near_[kMax];
   size_t count_ = 0;
   bool all_ = false;
   SubstepBody placed_[kPlacedBodies];

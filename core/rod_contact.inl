@@ -43,7 +43,7 @@ inline void RodStep::findContact(int i, const real3& shift, const real3& moved) 
   const real3 zero = makeReal3(lit(0), lit(0), lit(0)), before = has_force_[i] ? state3(b.contact, i) : zero;
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
-  noteContact(i, gap, pressed_before);
+  recordContact(i, gap, pressed_before);
   const mask near = (gap < contactReach() || pressed_before) && weight(i) > lit(0);
   if (!anyTrue(near)) return;
   const ContactPlane plane = near_.deepestPlane(i, x);

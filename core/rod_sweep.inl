@@ -13,8 +13,8 @@
 // Strands above the correction limit take more: their tension increments act through the bending matrix. They and
 // strands near a body have their lengths solved again (applyTensions, substituteLengths).
 //
-// After the sweeps come what is constant during a step (findTraits: stiffness, rest bends, edge lengths, driving
-// forces), lengths between pins (mostTautness, shareMissing), tension increments of stiff strands by elimination
+// After the sweeps come what is constant during a step (computeTraits: stiffness, rest bends, edge lengths, driving
+// forces), lengths between pins (maxTautness, shareMissing), tension increments of stiff strands by elimination
 // (eliminateTensions), and the velocity clamp of strands that overshoot. Contact is in core/rod_contact.inl.
 
 // Scratch, [row][plane][lane], `vertices` + 2 rows. Row e is edge e or joint e, row i vertex i. Vertices are
@@ -68,10 +68,10 @@ class RodStep {
   }
 
   void run() {
-    findTraits();
+    computeTraits();
     if (among_bodies_) {
-      noteForces();
-      near_.findSeparationBounds(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
+      flagContactForces();
+      near_.initSeparationBounds(in, scratch_ + solverScratch(n, kLanes) + groomingScratch(n, kLanes));
     }
     for (int substep = 0; substep < p.substeps; ++substep) {
       const double time = (substep + 1.0) / p.substeps;
@@ -154,10 +154,10 @@ class RodStep {
     return e > 0 ? select(weight(e) > lit(0), lit(0), anchored) : anchored;
   }
 
-  void findTraits();
-  void findBends();
-  real drivenByAir(int i, const real& wind) const;
-  real mostTautness() const;
+  void computeTraits();
+  void computeBendTraits();
+  real airAccelerationBound(int i, const real& wind) const;
+  real maxTautness() const;
   void predict(const RootFrame& root, double time);
   real3 ownShift(int i) const;
   real3 inertialShift(int i, const real3& own, const RootFrame& root, double time) const;
@@ -196,8 +196,8 @@ class RodStep {
     if (!b.pinned) return excess;
     return select(in_length_pass_ || !taut_, lengthResidual(excess, e > 0 ? weight(e) : lit(0), weight(e + 1)), lit(0));
   }
-  void noteForces();
-  void noteContact(int i, const real& gap, const mask& pressed) {
+  void flagContactForces();
+  void recordContact(int i, const real& gap, const mask& pressed) {
     near_contact_ = near_contact_ || gap < contactReach() || pressed;
     nearness_ = max(nearness_, select(weight(i) > lit(0), nearness(gap), lit(0)));
   }
@@ -233,11 +233,11 @@ class RodStep {
   mask near_contact_;    // strands with a vertex that a body is near in this substep or has pressed
   real nearness_;        // nearness() of the nearest body to any vertex of the strand in this substep
   mask in_contact_;      // strands with a vertex that a body presses or has pressed
-  real most_tension_;    // bound on the tension that is kept between substeps, see tensionBound()
+  real max_tension_;     // bound on the tension that is kept between substeps, see tensionBound()
 };
 
 // Notes which vertices have a contact force at the start of the step.
-inline void RodStep::noteForces() {
+inline void RodStep::flagContactForces() {
   for (int i = 0; i < n; ++i) {
     const real3 force = state3(b.contact, i);
     has_force_[i] = anyTrue(!(abs(force.x) + abs(force.y) + abs(force.z) <= lit(0)));  // also if NaN
@@ -283,7 +283,7 @@ inline void RodStep::predict(const RootFrame& root, double time) {
     const real il = inverseLength(e);
     const real3 unit = old * il;
     const real kept =
-        min(keptTension(state(b.tension, 0, e) * lit(time2_), advance * il, bend(e), il, lit(time2_)), most_tension_);
+        min(keptTension(state(b.tension, 0, e) * lit(time2_), advance * il, bend(e), il, lit(time2_)), max_tension_);
     store(kept, b.tension + at(0, e));
     const real kappa = select(cut_unevenly_, stiffest_, stiffnessOf(bend(e), il, lit(time2_), freeWeight(e)));
     const real blend = timeBlend(advance * il, unit - unit_before, kappa, kinked_);
@@ -437,7 +437,7 @@ inline real3 RodStep::collide(int i, const real3& shift) {
   const real3 before = has_force_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
-  noteContact(i, gap, pressed_before);
+  recordContact(i, gap, pressed_before);
   const mask touches = in_length_pass_ && (gap < lit(0) || pressed_before) && weight(i) > lit(0);
   if (!anyTrue(touches)) return shift;
   const ContactPlane plane = near_.deepestPlane(i, x);
@@ -716,7 +716,7 @@ inline real RodStep::finish(bool any_overshot) {
 
 // Finds which strands are kinked, and their correction limits, from their bends at rest and their stiffness; as
 // restBends() of core/strand_model.h.
-inline void RodStep::findBends() {
+inline void RodStep::computeBendTraits() {
   real bends = lit(0), changes = lit(0), second_changes = lit(0);
   real3 before = makeReal3(lit(0), lit(0), lit(0)), change_before = before;
   for (int j = 1; j < ne; ++j) {
@@ -734,7 +734,7 @@ inline void RodStep::findBends() {
 
 // Upper bound of the acceleration of vertex i by air and external forces, without gravity, m/s^2. `wind`: that by wind
 // for an air drag factor of 1.
-inline real RodStep::drivenByAir(int i, const real& wind) const {
+inline real RodStep::airAccelerationBound(int i, const real& wind) const {
   real driven = groomingFactor(b, kAirDragScale, i) * wind;
   if (b.acceleration != nullptr) {
     const real3 own = accelerationOf(b, i);
@@ -744,7 +744,7 @@ inline real RodStep::drivenByAir(int i, const real& wind) const {
 }
 
 // Runs once per step, before its first substep.
-inline void RodStep::findTraits() {
+inline void RodStep::computeTraits() {
   mask seen_free = lit(1) < lit(0);
   between_pins_ = seen_free;
   real length = lit(0), hung = lit(0), shortest = lengthOf(0), driven = lit(0);
@@ -755,22 +755,22 @@ inline void RodStep::findTraits() {
     stiffest_ = max(stiffest_, stiffnessOf(bend(e), il, lit(time2_), ownWeight(e + 1)));
     length = length + lengthOf(e);
     shortest = min(shortest, lengthOf(e));
-    driven = max(driven, drivenByAir(e + 1, wind));
+    driven = max(driven, airAccelerationBound(e + 1, wind));
     const mask is_free = weight(e + 1) > lit(0);
     between_pins_ = between_pins_ || (seen_free && !is_free);
     seen_free = seen_free || is_free;
     hung = hung + select(is_free, ownMass(e + 1), lit(0));
   }
-  findBends();
+  computeBendTraits();
   cut_unevenly_ = isCutUnevenly(shortest, length * lit(1.0 / ne));
-  const real taut = mostTautness();
+  const real taut = maxTautness();
   taut_ = isTaut(taut);
-  most_tension_ = tensionBound(hung, length, taut * (lit(p.gravity.norm()) + driven), lit(time2_));
+  max_tension_ = tensionBound(hung, length, taut * (lit(p.gravity.norm()) + driven), lit(time2_));
 }
 
 // Greatest tautness() between any two pins of a strand, for the pin positions at the end of the step; 1 if nothing
 // hangs between pins.
-inline real RodStep::mostTautness() const {
+inline real RodStep::maxTautness() const {
   real most = lit(1), length = lit(0);  // since the last pin
   if (!b.pinned) return most;
   real3 pin = end_.position;

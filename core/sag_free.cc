@@ -130,8 +130,8 @@ SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity,
       }
       strand.linearise();
       double whole = 1;
-      while (whole <= kMostStiffening && !strand.stable(whole / kWeightHeld)) whole *= kGrowth;
-      factors[s] = static_cast<float>(whole <= kMostStiffening ? largest * whole : -1);
+      while (whole <= kMaxStiffening && !strand.stable(whole / kWeightHeld)) whole *= kGrowth;
+      factors[s] = static_cast<float>(whole <= kMaxStiffening ? largest * whole : -1);
       for (size_t e = 0; e < strand.joints.size(); ++e) {
         const uint32_t v = model.offsets[s] + static_cast<uint32_t>(e);
         const Strand::Joint& joint = strand.joints[e];

@@ -13,7 +13,7 @@ struct SagFreeReport {
   std::vector<uint32_t> stiffened;  ///< strand indices, ascending
   float largest_factor = 1;         ///< on the stiffness of any joint
   uint32_t stiffest = 0;            ///< strand with that factor; the first one if none is stiffened
-  std::vector<uint32_t> unstable;   ///< strands that no factor up to kMostStiffening makes stable, ascending
+  std::vector<uint32_t> unstable;   ///< strands that no factor up to kMaxStiffening makes stable, ascending
 };
 
 /// Changes the rest strains so that the groomed shape is the shape at rest under `gravity` (m/s^2, in the
@@ -36,6 +36,6 @@ SagFreeReport makeSagFree(StrandModel& model, const Vec3& gravity,
 
 constexpr double kLargestChange = 1.0;  ///< of a rest strain, 2 tan(angle / 2): 53 degrees
 constexpr double kWeightHeld = 2;       ///< multiple of its weight under which a groomed shape must be stable
-constexpr double kMostStiffening = 1e4;  ///< greatest factor on a strand's stiffness
+constexpr double kMaxStiffening = 1e4;  ///< greatest factor on a strand's stiffness
 
 }  // namespace strandcast

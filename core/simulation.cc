@@ -208,14 +208,14 @@ void Simulation::addShapes(PlacedBody& body) {
   }
 }
 
-const Simulation::PlacedBody* Simulation::lookUp(BodyId body) const {
+const Simulation::PlacedBody* Simulation::findOrNull(BodyId body) const {
   for (const PlacedBody& placed : bodies_)
     if (placed.id == body) return &placed;
   return nullptr;
 }
-bool Simulation::hasBody(BodyId body) const { return lookUp(body) != nullptr; }
+bool Simulation::hasBody(BodyId body) const { return findOrNull(body) != nullptr; }
 const Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) const {
-  if (const PlacedBody* placed = lookUp(body)) return *placed;
+  if (const PlacedBody* placed = findOrNull(body)) return *placed;
   throw Error("unknown body " + std::to_string(body), where, "it was never added, or was removed");
 }
 Simulation::PlacedBody& Simulation::find(BodyId body, const char* where) {
@@ -320,18 +320,18 @@ void Simulation::placePrimitives() {
 }
 
 void Simulation::reserveForBodies() {
-  constexpr size_t kMost = size_t{1} << 22;
+  constexpr size_t kMax = size_t{1} << 22;
   placePrimitives();
   body_boxes_.reserve(primitives_.size());
   near_.offsets.reserve(strand_boxes_.size() + 1);
-  near_.bodies.reserve(std::min(strand_boxes_.size() * primitives_.size(), kMost));
+  near_.bodies.reserve(std::min(strand_boxes_.size() * primitives_.size(), kMax));
 }
 
 void Simulation::findNearBodies() {
   body_boxes_.clear();
   for (const MovingPrimitive& primitive : primitives_) body_boxes_.push_back(sweptBox(primitive));
   reach_.place(bones_begin_local_, bones_end_local_, parameters_.hair_radius + kQueryReach, strand_boxes_);
-  broad_phase_->find(body_boxes_, strand_boxes_, near_);
+  broad_phase_->findPairs(body_boxes_, strand_boxes_, near_);
 }
 
 StepInput Simulation::nextInput() {
@@ -440,7 +440,7 @@ void Simulation::rebaseOrigin() {
   if (has_external_forces_) external_forces_->moveOrigin(origin_);
 }
 
-size_t Simulation::resetBroken() {
+size_t Simulation::resetDiverged() {
   constexpr float kTooFar = 2;  // times its length; only gauss_seidel could reach that
   rebaseOrigin();
   const std::span<const Vec3> now = backend_->guides();

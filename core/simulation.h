@@ -59,7 +59,7 @@ struct RigidBody {
 /// Bound on each coordinate of a hand in Simulation::pullHair(), m.
 constexpr float kMaxHandCoordinate = 1000;
 /// Bounds on each coordinate for origin rebasing, m. With the head within kNearOrigin of the world origin,
-/// the simulation uses the world origin, otherwise an origin near the head. resetBroken() chooses a new
+/// the simulation uses the world origin, otherwise an origin near the head. resetDiverged() chooses a new
 /// origin when the head is farther than kFarFromOrigin from the current one. See Simulation::origin().
 constexpr float kNearOrigin = 4, kFarFromOrigin = 8;
 
@@ -90,7 +90,7 @@ class Simulation {
   void setHeadPose(const Pose& head);
   const Pose& headPose() const { return bones_begin_[0]; }
   /// Sets the pose of a bone of the model at the end of the next step; bone 0 is the head. A bone without a
-  /// new pose stays where it is. Throws Error on an unknown bone and as checkPose() does. resetBroken()
+  /// new pose stays where it is. Throws Error on an unknown bone and as checkPose() does. resetDiverged()
   /// resets strands that a bone stretches too far.
   void setBonePose(size_t bone, const Pose& pose);
   void setBonePose(const std::string& bone, const Pose& pose);
@@ -148,10 +148,10 @@ class Simulation {
   /// Resets strands to their rest shape if a vertex is not finite or is farther from the root than twice the
   /// strand's length. Returns their number. Waits for the backend. Allocates only if there are such strands
   /// or the origin changes.
-  size_t resetBroken();
+  size_t resetDiverged();
   /// Origin of the backend's coordinates, m, world, whole metres (origin rebasing). Far from the world
   /// origin, positions in float are too coarse: hair would stretch and tremble. reset(), teleport() and
-  /// resumeFrom() choose the origin; resetBroken() moves it when the head is far from it.
+  /// resumeFrom() choose the origin; resetDiverged() moves it when the head is far from it.
   const Vec3& origin() const { return origin_; }
   /// Moves the hair and every bone rigidly so that the head is at `head`, without motion in between. Throws
   /// Error as checkPose() does.
@@ -187,7 +187,7 @@ class Simulation {
 
   void placePrimitives();
   void checkBone(size_t bone, const char* where) const;
-  const PlacedBody* lookUp(BodyId body) const;  ///< null for an unknown body
+  const PlacedBody* findOrNull(BodyId body) const;  ///< null for an unknown body
   const PlacedBody& find(BodyId body, const char* where) const;
   PlacedBody& find(BodyId body, const char* where);
   /// Reserves memory so that step() need not allocate.

@@ -296,7 +296,7 @@ template <class Scalar>
 void BlockStore<Scalar>::read(size_t b, int plane, std::span<Vec3> vectors) const {
   static_assert(kPosition == 0 && kVelocity == 3);
   const Block& block = blocks_[b];
-  Vec3* strands[kMostLanes];
+  Vec3* strands[kMaxLanes];
   for (size_t lane = 0; lane < block.count; ++lane)
     strands[lane] = vectors.data() + model_->offsets[order_[block.first + lane]];
   const Scalar* x = planes(block, plane);
@@ -308,7 +308,7 @@ void BlockStore<Scalar>::read(size_t b, int plane, std::span<Vec3> vectors) cons
 }
 
 template <class Scalar>
-void BlockStore<Scalar>::forgetContacts(Block& block) {
+void BlockStore<Scalar>::clearContacts(Block& block) {
   std::fill_n(rows(contacts_, block), static_cast<size_t>(3) * block.vertices * lanes_, Scalar(0));
   block.pressed = false;
 }
@@ -316,7 +316,7 @@ void BlockStore<Scalar>::forgetContacts(Block& block) {
 template <class Scalar>
 void BlockStore<Scalar>::setInput(Block& block, const StepInput& input) {
   const bool pressing = input.parameters->solver == SolverKind::kRod && !input.primitives.empty();
-  if (!pressing && block.pressed) forgetContacts(block);
+  if (!pressing && block.pressed) clearContacts(block);
   block.pressed = pressing;
   Scalar* root = roots(block);
   for (int lane = 0; lane < lanes_; ++lane) {
@@ -344,7 +344,7 @@ void BlockStore<Scalar>::setInput(Block& block, const StepInput& input) {
 
 template <class Scalar>
 void BlockStore<Scalar>::setAccelerations(const Block& block, const StepInput& input, Scalar* out) const {
-  const Vec3* strands[kMostLanes];
+  const Vec3* strands[kMaxLanes];
   for (int lane = 0; lane < lanes_; ++lane)
     strands[lane] = input.accelerations.data() + model_->offsets[strandOf(block, lane)];
   for (int i = 0; i < block.vertices; ++i)

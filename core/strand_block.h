@@ -110,7 +110,7 @@ enum GroomingPlane : int {
 constexpr float kPinnedMass = 1e6f;    ///< mass of a vertex that the rod's bending solve must not move
 constexpr float kShortestEdge = 0.1f;  ///< of the strand's mean: shorter edges bend as if this long
 
-constexpr int kMostLanes = 64;  ///< greatest number of strands of a block
+constexpr int kMaxLanes = 64;  ///< greatest number of strands of a block
 
 constexpr int kSolverPlanes = 22;   ///< scratch numbers per vertex and lane: of a solver,
 constexpr int kTensionPlanes = 29;  ///< of the tension increments of stiff strands,
@@ -145,7 +145,7 @@ constexpr size_t blockScratch(int vertices, int lanes) {
 template <class Scalar>
 class BlockStore {
  public:
-  /// `model` must outlive its use here; `lanes`: 1 to kMostLanes.
+  /// `model` must outlive its use here; `lanes`: 1 to kMaxLanes.
   void load(const StrandModel& model, int lanes);
   /// Allocates the tables that steps with these parameters need, and those for contact if `bodies`. Call it
   /// before the first such step; further calls cost nothing.
@@ -222,7 +222,7 @@ class BlockStore {
   void read(size_t b, int plane, std::span<Vec3> out) const;
   void setInput(Block& block, const StepInput& input);
   void setAccelerations(const Block& block, const StepInput& input, Scalar* out) const;
-  void forgetContacts(Block& block);
+  void clearContacts(Block& block);
   Scalar* restDistance(const Block& block) const;
 
   int lanes_ = 1;

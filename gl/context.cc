@@ -17,7 +17,7 @@
 namespace strandcast::gl {
 namespace {
 
-constexpr int kMostDevices = 16;
+constexpr int kMaxDevices = 16;
 
 bool hasClientExtension(const char* name) {
   const char* list = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -25,10 +25,10 @@ bool hasClientExtension(const char* name) {
 }
 
 std::vector<EGLDeviceEXT> eglDevices() {
-  std::vector<EGLDeviceEXT> devices(kMostDevices);
+  std::vector<EGLDeviceEXT> devices(kMaxDevices);
   EGLint count = 0;
   if (!hasClientExtension("EGL_EXT_device_base") || !hasClientExtension("EGL_EXT_platform_device") ||
-      !eglQueryDevicesEXT(kMostDevices, devices.data(), &count))
+      !eglQueryDevicesEXT(kMaxDevices, devices.data(), &count))
     count = 0;
   devices.resize(static_cast<size_t>(count));
   return devices;
@@ -84,7 +84,7 @@ std::optional<int> chosenDevice() {
   const char* const end = text + std::strlen(text);
   int number = -1;
   const auto [rest, failure] = std::from_chars(text, end, number);
-  if (rest != end || failure != std::errc() || number < 0 || number >= kMostDevices)
+  if (rest != end || failure != std::errc() || number < 0 || number >= kMaxDevices)
     throw Error("not the number of an EGL device", std::string(kDeviceVariable) + "=" + text,
                 "give one that `strandcast info --backends` lists");
   return number;

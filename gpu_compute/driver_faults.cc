@@ -19,15 +19,16 @@ int mesaMajor(std::string_view version) {
   return major;
 }
 
-bool takesUntested() {
+bool allowsUntestedDriver() {
   const char* const text = std::getenv(kUntestedVariable);
   return text != nullptr && std::string_view(text) == "1";
 }
 
 }  // namespace
 
-std::string faultOfDriver(const std::string& renderer, const std::string& version) {
-  if (!renderer.starts_with("zink") || mesaMajor(version) >= kFirstGoodZink || takesUntested()) return {};
+std::string driverFault(const std::string& renderer, const std::string& version) {
+  if (!renderer.starts_with("zink") || mesaMajor(version) >= kFirstGoodZink || allowsUntestedDriver())
+    return {};
   return "zink before Mesa 25 ends the process where it builds this backend's programs (" + renderer + ", " +
          version + "); use the GPU's own OpenGL driver, or set " + kUntestedVariable + "=1 to try";
 }

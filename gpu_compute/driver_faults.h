@@ -13,6 +13,6 @@ inline constexpr const char* kUntestedVariable = "STRANDCAST_UNTESTED_GPU";
 /// zink (OpenGL over Vulkan) of Mesa 22.3.6 writes invalid SPIR-V for local arrays of bools; creating the
 /// pipeline fails, and the driver uses it all the same. Mesa 25.0.7 is correct. Versions between were not
 /// tested.
-std::string faultOfDriver(const std::string& renderer, const std::string& version);
+std::string driverFault(const std::string& renderer, const std::string& version);
 
 }  // namespace strandcast::gpu

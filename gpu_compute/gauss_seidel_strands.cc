@@ -36,7 +36,7 @@ std::vector<uint32_t> threadsPerStrand(const StrandModel& model, bool compiles_s
   for (size_t s = 0; s < threads.size(); ++s)
     ++count[threads[s] = std::max(4u, std::bit_ceil(static_cast<uint32_t>(model.verticesOf(s))))];
   for (uint32_t& own : threads)
-    if (compiles_slowly && count[own] < kOwnProgram) own = std::max(own, kWorkgroup);
+    if (compiles_slowly && count[own] < kMinVariantStrands) own = std::max(own, kWorkgroup);
   return threads;
 }
 

@@ -12,8 +12,8 @@ namespace strandcast::gpu {
 /// whole life.
 class GaussSeidelStrands {
  public:
-  /// `compiles_slowly`: strands of a vertex count that fewer than kOwnProgram strands have share a wider
-  /// variant, so that fewer variants are compiled.
+  /// `compiles_slowly`: strands of a vertex count that fewer than kMinVariantStrands strands have share a
+  /// wider variant, so that fewer variants are compiled.
   GaussSeidelStrands(const StrandModel& model, bool compiles_slowly);
   /// Records the dispatches of a step. Precondition: the buffers of GpuStrands are bound. The first step with
   /// new arguments compiles and may throw Error. `groomed`: GROOMED of shaders/gauss_seidel.comp, 0 or one

@@ -37,7 +37,7 @@ class GpuWind final : public Wind {
   void centreAt(const Vec3& middle) override {
     const gl::MakeCurrent current(context_);
     const bool moves = passes_->moveTo(middle, block_->settings);
-    tell(1);
+    sendSettings(1);
     if (moves) passes_->carry();
     image_.reset();
   }
@@ -54,7 +54,7 @@ class GpuWind final : public Wind {
         for (int j = 0; j < cells() + (axis == 1); ++j)
           for (int i = 0; i < cells() + (axis == 0); ++i)
             faces[static_cast<size_t>(passes_->faceAt(axis, i, j, k))] = value(axis, i, j, k);
-    tell(1);
+    sendSettings(1);
     passes_->setFaces(faces);
     image_.reset();
   }
@@ -66,36 +66,36 @@ class GpuWind final : public Wind {
     if (!words.empty()) shapes_ = gl::Buffer(words);
     solids_seconds_ = seconds;
   }
-  void takeSources(std::span<const WindSource> sources) override {
-    passes_->takeSources({sources.begin(), sources.end()});
+  void setSources(std::span<const WindSource> sources) override {
+    passes_->setSources({sources.begin(), sources.end()});
   }
   void advect(double seconds, bool mac_cormack) override {
     const gl::MakeCurrent current(context_);
-    tell(seconds);
-    passes_->findDisplacements(mac_cormack);
+    sendSettings(seconds);
+    passes_->computeDisplacements(mac_cormack);
     gpu::finishPass();
     passes_->advect(mac_cormack);
     image_.reset();
   }
   void diffuse(double seconds, double viscosity) override {
     const gl::MakeCurrent current(context_);
-    tell(seconds);
+    sendSettings(seconds);
     passes_->diffuse(seconds, viscosity, false);
     image_.reset();
   }
   void exchange(double seconds) override {
     const gl::MakeCurrent current(context_);
-    tell(seconds);
-    passes_->findExchange({});
+    sendSettings(seconds);
+    passes_->computeExchange({});
     gpu::finishPass();
     passes_->diffuse(seconds, 0, true);
     image_.reset();
   }
   PressureReport project() override {
     const gl::MakeCurrent current(context_);
-    passes_->takeBodies(bodies_, block_->settings);
-    tell(solids_seconds_);
-    passes_->findSolids(shapes_);
+    passes_->setBodies(bodies_, block_->settings);
+    sendSettings(solids_seconds_);
+    passes_->computeSolids(shapes_);
     gpu::finishPass();
     image_.reset();
     return passes_->project();
@@ -138,7 +138,7 @@ class GpuWind final : public Wind {
   }
 
  private:
-  void tell(double seconds) {
+  void sendSettings(double seconds) {
     passes_->describe(block_->settings, seconds);
     block_->send();
   }
@@ -162,7 +162,7 @@ class GpuWind final : public Wind {
 
 }  // namespace
 
-AirMaker gpuAir() {
+AirFactory gpuAir() {
   return {[](std::vector<WindSource> sources) -> std::unique_ptr<AirSystem> {
             for (const WindSource& source : sources) checkWindSource(source, "wind source");
             return std::make_unique<gpu::GpuAirSystem>(std::move(sources));

@@ -76,8 +76,8 @@ void GpuAirSystem::configure(const StrandModel& model, const Parameters& p, Back
   our.block.settings.sources = static_cast<int>(sources_.size());
   std::vector<float> rates;
   for (const float scale : model.air_drag_scale) rates.push_back(p.air_drag * scale);
-  our.hair->takeRates(rates);
-  our.hair->takeVolumeTarget(p.volume_target);
+  our.hair->setRates(rates);
+  our.hair->setVolumeTarget(p.volume_target);
 }
 
 void GpuAirSystem::makeGrids(Passes& our, const StrandModel& model, const Parameters& p) {
@@ -94,18 +94,18 @@ void GpuAirSystem::makeGrids(Passes& our, const StrandModel& model, const Parame
                 fmt::format("grid_cells {}", p.grid_cells), "use fewer cells or --backend simd");
   if (hair) our.hair = std::move(hair);
   if (p.volume_stiffness == 0) our.hair->reset();
-  const bool wind_begins = wind != nullptr || (p.wind_grid > 0 && !blows_);
+  const bool wind_begins = wind != nullptr || (p.wind_grid > 0 && !has_wind_grid_);
   if (wind) our.wind = std::move(wind);
   if (our.wind) our.wind->ambient().configure(p);
   if (our.wind && p.air_drag_along < 1) {
-    our.hair->expectSlip();
-    our.wind->expectSlip();
+    our.hair->reserveSlip();
+    our.wind->reserveSlip();
   }
   if (!wind_begins) return;
   our.wind->ambient().setProgress(progress_);
   static_cast<void>(our.wind->moveTo(Vec3(box_.center()), our.block.settings));
   our.wind->reset(our.block);
-  our.wind->takeSources(sources_);
+  our.wind->setSources(sources_);
 }
 
 void GpuAirSystem::reset(const Vec3& origin) {
@@ -113,12 +113,12 @@ void GpuAirSystem::reset(const Vec3& origin) {
   progress_ = {};
   if (origin == origin_) return;
   image_.reset();
-  takeOrigin(origin);
+  setOrigin(origin);
 }
 
 void GpuAirSystem::moveOrigin(const Vec3& origin) {
   const Vec3 way = origin - origin_;
-  takeOrigin(origin);
+  setOrigin(origin);
   Ambient& ambient = passes_->wind ? passes_->wind->ambient() : *passes_->free_wind;
   ambient.setProgress(progress_);
   ambient.moveOrigin(way);
@@ -129,7 +129,7 @@ void GpuAirSystem::moveOrigin(const Vec3& origin) {
   grid_head_.position -= way;
 }
 
-void GpuAirSystem::takeOrigin(const Vec3& origin) {
+void GpuAirSystem::setOrigin(const Vec3& origin) {
   origin_ = origin;
   placeSources();
 }
@@ -143,7 +143,7 @@ void GpuAirSystem::placeSources() {
   sources_ = movedBy(world_sources_, -origin_);
   if (!passes_) return;
   const gl::MakeCurrent current(device_->context());
-  if (passes_->wind) passes_->wind->takeSources(sources_);
+  if (passes_->wind) passes_->wind->setSources(sources_);
   if (passes_->free_wind) passes_->sources = WindPasses::packed(sources_);
   passes_->block.settings.sources = static_cast<int>(sources_.size());
 }
@@ -163,7 +163,7 @@ void GpuAirSystem::step(StepInput& input, Backend&) {
   const bool on_grid = p.wind_grid > 0, drags = on_grid && p.air_drag > 0 && p.hairs_per_strand > 0;
   const bool slips = drags && p.air_drag_along < 1;
   splatted_ = forces || drags;
-  blows_ = on_grid;
+  has_wind_grid_ = on_grid;
   Ambient& blown = on_grid ? our.wind->ambient() : *our.free_wind;
   blown.setProgress(progress_);
   if (std::exchange(restarts_, false)) {
@@ -185,7 +185,7 @@ void GpuAirSystem::step(StepInput& input, Backend&) {
     moved = our.wind->moveTo(head_.apply(Vec3(box_.center())), settings);
     our.wind->describe(settings, dt);
     settings.wind_of_hair = windOfHair(hair.layout(), grid_head_, *our.wind);
-    our.wind->takeBodies(input.primitives, settings);
+    our.wind->setBodies(input.primitives, settings);
     shapes = &strands.shapes(input.shapes);
   } else {
     const Vec3 mean = blown.mean(), carried = blown.carried();
@@ -197,19 +197,19 @@ void GpuAirSystem::step(StepInput& input, Backend&) {
   our.timer.begin();
   if (moved) our.wind->carry();
 
-  // Passes of hair and of air are independent until findExchange(). Each finishPass() serves both, so that a
-  // pass of hair overlaps with one of air on the GPU.
+  // Passes of hair and of air are independent until computeExchange(). Each finishPass() serves both, so that
+  // a pass of hair overlaps with one of air on the GPU.
   const HairPasses::Strands where{strands.positions(), strands.velocityBuffer()};
   const bool mac_cormack = p.mac_cormack > 0;
   hair.splat(where, drags);
   our.timer.passed("splat");
   if (on_grid) {
-    our.wind->findDisplacements(mac_cormack);
-    our.wind->findSolids(*shapes);
+    our.wind->computeDisplacements(mac_cormack);
+    our.wind->computeSolids(*shapes);
   }
   finishPass();
   our.timer.passed("displace, solids");
-  if (splatted_) hair.findDensity(drags);
+  if (splatted_) hair.computeDensity(drags);
   if (slips) hair.splatSlip(where);
   our.timer.passed("blur");
   if (on_grid) our.wind->advect(mac_cormack);
@@ -218,10 +218,11 @@ void GpuAirSystem::step(StepInput& input, Backend&) {
   if (crowds) hair.crowd(where);
   our.timer.passed("crowd");
   const bool exchanges = drags || (on_grid && !sources_.empty());
-  if (on_grid && exchanges) our.wind->findExchange(drags ? std::optional(hair.onAir(slips)) : std::nullopt);
+  if (on_grid && exchanges)
+    our.wind->computeExchange(drags ? std::optional(hair.onAir(slips)) : std::nullopt);
   finishPass();
   our.timer.passed("exchange");
-  if (forces) hair.findForces(crowds, rubs);
+  if (forces) hair.computeForces(crowds, rubs);
   our.timer.passed("gradient, friction");
   if (on_grid) our.wind->diffuse(dt, static_cast<double>(p.air_viscosity), exchanges && !slips);
   finishPass();
@@ -248,13 +249,15 @@ std::span<const Vec3> GpuAirSystem::accelerations() {
   return read_;
 }
 
-float GpuAirSystem::cell() const { return blows_ ? passes_->wind->cell() : passes_->hair->layout().cell; }
+float GpuAirSystem::cell() const {
+  return has_wind_grid_ ? passes_->wind->cell() : passes_->hair->layout().cell;
+}
 
 Box GpuAirSystem::box() const {
   const int cells = passes_->hair->layout().cells;
   const Eigen::Vector3f half = Eigen::Vector3f::Constant(0.5f * cell() * static_cast<float>(cells));
-  const Eigen::Vector3f middle = blows_ ? Eigen::Vector3f(passes_->wind->origin()) + half
-                                        : Eigen::Vector3f(head_.apply(Vec3(box_.center())));
+  const Eigen::Vector3f middle = has_wind_grid_ ? Eigen::Vector3f(passes_->wind->origin()) + half
+                                                : Eigen::Vector3f(head_.apply(Vec3(box_.center())));
   return Box(middle - half, middle + half).translated(Eigen::Vector3f(origin_));
 }
 
@@ -262,7 +265,7 @@ const GpuAirSystem::Image& GpuAirSystem::image() const {
   if (!image_) {
     const gl::MakeCurrent current(device_->context());
     image_ = std::make_unique<Image>();
-    if (blows_) image_->wind = passes_->wind->download();
+    if (has_wind_grid_) image_->wind = passes_->wind->download();
     if (splatted_) image_->nodes = passes_->hair->downloadNodes();
   }
   return *image_;
@@ -297,7 +300,7 @@ AirSample GpuAirSystem::atOwn(const Vec3& point) const {
       out.density =
           image().nodes[static_cast<size_t>(node[0] + layout.cells * (node[1] + layout.cells * node[2]))][3];
   }
-  if (!blows_) return out;
+  if (!has_wind_grid_) return out;
   const WindPasses& wind = *passes_->wind;
   const WindPasses::Image& seen = *image().wind;
   const Vec3 place = (point - wind.origin()) / wind.cell();
@@ -328,7 +331,7 @@ void GpuAirSystem::measure(bool each, int steps) {
   passes_->timer.measure(each, static_cast<size_t>(steps));
 }
 
-std::vector<std::pair<std::string, double>> GpuAirSystem::takeTimes() {
+std::vector<std::pair<std::string, double>> GpuAirSystem::drainTimes() {
   const gl::MakeCurrent current(device_->context());
   return passes_->timer.take();
 }

@@ -31,13 +31,13 @@ class GpuAirSystem final : public AirSystem, public MeasuredPasses {
   std::span<const Vec3> accelerations() override;
 
   bool hasDensity() const override { return splatted_; }
-  bool hasWind() const override { return blows_; }
+  bool hasWind() const override { return has_wind_grid_; }
   Box box() const override;
   float cell() const override;
   AirSample at(const Vec3& point) const override;
 
   void measure(bool each, int steps) override;
-  std::vector<std::pair<std::string, double>> takeTimes() override;
+  std::vector<std::pair<std::string, double>> drainTimes() override;
   PressureReport pressure() override;
 
  private:
@@ -46,7 +46,7 @@ class GpuAirSystem final : public AirSystem, public MeasuredPasses {
   /// Makes the grids that these settings need and `our` lacks, and resets air that did not blow in the last
   /// step. Throws Error, with the grids of `our` unchanged, if they do not fit the GPU's memory.
   void makeGrids(Passes& our, const StrandModel& model, const Parameters& parameters);
-  void takeOrigin(const Vec3& origin);
+  void setOrigin(const Vec3& origin);
   /// Sets sources_ to world_sources_ relative to origin_, and uploads them.
   void placeSources();
   const Image& image() const;
@@ -58,8 +58,8 @@ class GpuAirSystem final : public AirSystem, public MeasuredPasses {
   Box box_;                      ///< of the groom at rest, m
   GpuDevice* device_ = nullptr;  ///< of the backend; null until configured
   std::unique_ptr<Passes> passes_;
-  bool splatted_ = false, blows_ = false;  ///< in the newest step
-  Pose head_;                              ///< at the start of the newest step
+  bool splatted_ = false, has_wind_grid_ = false;  ///< in the newest step
+  Pose head_;                                      ///< at the start of the newest step
   HeadExtrapolation head_extrapolation_;
   Pose grid_head_;      ///< pose of the hair grid: HeadExtrapolation::ahead()
   double seconds_ = 0;  ///< s, length of the newest step

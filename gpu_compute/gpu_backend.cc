@@ -9,14 +9,14 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kFewVertices = 8192 * 32;  // see makeGpuBackend(); measured on an H100
+constexpr size_t kSmallModelVertices = 8192 * 32;  // see makeGpuBackend(); measured on an H100
 
 /// Has its own context, current only within a call: any thread may call, one at a time, and the caller's
 /// current context stays unchanged.
 class GpuBackend final : public Backend, public gpu::GpuDevice {
  public:
-  explicit GpuBackend(std::optional<size_t> few_vertices)
-      : few_vertices_(few_vertices.value_or(kFewVertices)) {}
+  explicit GpuBackend(std::optional<size_t> small_model_vertices)
+      : small_model_vertices_(small_model_vertices.value_or(kSmallModelVertices)) {}
   ~GpuBackend() override {
     try {
       const gl::MakeCurrent current(context_);
@@ -34,7 +34,8 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
   void load(const StrandModel& model, const StrandState& state) override {
     const gl::MakeCurrent current(context_);
     strands_.reset();
-    strands_ = std::make_unique<gpu::GpuStrands>(model, *programs_, few_vertices_, context_.software());
+    strands_ =
+        std::make_unique<gpu::GpuStrands>(model, *programs_, small_model_vertices_, context_.software());
     strands_->upload(state);
   }
   void prepare(const Parameters& parameters, bool bodies) override {
@@ -74,7 +75,7 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
 
  private:
   gl::HeadlessContext context_;
-  const size_t few_vertices_;
+  const size_t small_model_vertices_;
   std::unique_ptr<gpu::ProgramCache> programs_ = std::make_unique<gpu::ProgramCache>();
   std::unique_ptr<gpu::GpuStrands> strands_;
 };
@@ -93,7 +94,7 @@ const Probe& probe() {
       found = {true, context.software(), context.renderer()};
       const auto* const version = glGetString(GL_VERSION);
       const std::string fault =
-          gpu::faultOfDriver(found.text, version != nullptr ? reinterpret_cast<const char*>(version) : "");
+          gpu::driverFault(found.text, version != nullptr ? reinterpret_cast<const char*>(version) : "");
       if (!fault.empty()) found = {false, false, fault};
     } catch (const Error& error) {
       if (gl::chosenDevice()) throw;  // no silent fallback from a device that the user named
@@ -106,9 +107,9 @@ const Probe& probe() {
 
 }  // namespace
 
-std::unique_ptr<Backend> makeGpuBackend(std::optional<size_t> few_vertices) {
+std::unique_ptr<Backend> makeGpuBackend(std::optional<size_t> small_model_vertices) {
   const gl::RestoreCurrent restore;  // a new context becomes current
-  return std::make_unique<GpuBackend>(few_vertices);
+  return std::make_unique<GpuBackend>(small_model_vertices);
 }
 
 BackendInfo gpuBackendInfo() {

@@ -12,11 +12,11 @@ namespace strandcast {
 /// solver, and its first with bodies, compile shaders and may throw Error. Makes its own headless context;
 /// throws Error if there is none.
 ///
-/// `few_vertices`: a model of up to this many vertices (among bodies two thirds of it) is solved by one
-/// variant of the rod. A larger model is solved by the variant without the dense metric, then its listed
+/// `small_model_vertices`: a model of up to this many vertices (among bodies two thirds of it) is solved by
+/// one variant of the rod. A larger model is solved by the variant without the dense metric, then its listed
 /// strands by the one with it. Results differ by rounding at most. Empty: the best value for an H100.
-std::unique_ptr<Backend> makeGpuBackend(std::optional<size_t> few_vertices = {});
-/// Not available without a context, or on a driver that faultOfDriver() refuses. Throws Error if
+std::unique_ptr<Backend> makeGpuBackend(std::optional<size_t> small_model_vertices = {});
+/// Not available without a context, or on a driver that driverFault() refuses. Throws Error if
 /// STRANDCAST_GPU names a device without a context.
 BackendInfo gpuBackendInfo();
 

@@ -21,6 +21,6 @@ BackendInfo gpuBackendInfo() {
 
 std::vector<GpuListing> gpuList() { return {}; }
 
-AirMaker gpuAir() { throw Error("no gpu backend", kReason, "install them and build again"); }
+AirFactory gpuAir() { throw Error("no gpu backend", kReason, "install them and build again"); }
 
 }  // namespace strandcast

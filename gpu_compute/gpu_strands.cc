@@ -93,11 +93,11 @@ bool turns(const MovingPrimitive& body) {
 
 }  // namespace
 
-GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices,
+GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t small_model_vertices,
                        bool compiles_slowly)
     : programs_(programs),
       model_(model),
-      few_vertices_(few_vertices),
+      small_model_vertices_(small_model_vertices),
       compiles_slowly_(compiles_slowly),
       vertices_((checkFits(model.vertices()), gl::discardErrors(), model.vertices())),
       positions_(storage<Vec4>(vertices_)),
@@ -123,10 +123,10 @@ void GpuStrands::prepare(const Parameters& parameters, bool bodies) {
   bool& expected = expected_[(rod ? 1 : 0) + (goal ? 2 : 0) + (bodies ? 4 : 0)];
   if (expected) return;
   gl::discardErrors();
-  if (rod && !rod_) rod_.emplace(model_, few_vertices_, compiles_slowly_);
+  if (rod && !rod_) rod_.emplace(model_, small_model_vertices_, compiles_slowly_);
   if (rod) rod_->prepare(goal, bodies);
   if (!rod && !gauss_seidel_) gauss_seidel_.emplace(model_, compiles_slowly_);
-  if (rest_local_.bytes() == 0 && (!rod || goal || rod_->holdsVertices()))
+  if (rest_local_.bytes() == 0 && (!rod || goal || rod_->needsRestShape()))
     rest_local_ = gl::Buffer(std::span<const Vec4>(packRestLocal(model_)));
   if (grooming_.bytes() == 0 && (groomed_ || goal)) {
     if (!model_.friction_along.empty()) checkFits(vertices_, 2);
@@ -134,8 +134,8 @@ void GpuStrands::prepare(const Parameters& parameters, bool bodies) {
         std::span<const Vec4>(groomed_ ? packGrooming(model_) : std::vector<Vec4>(vertices_, kNotGroomed)));
   }
   checkMemory("the model does not fit the GPU's memory");
-  if (rod && bodies) makeSights();
-  if (bodies) expectUploads(kFirstCounts);
+  if (rod && bodies) allocateContactCache();
+  if (bodies) growUploadRing(kFirstCounts);
   expected = true;
 }
 
@@ -162,14 +162,14 @@ void GpuStrands::upload(const StrandState& state) {
     contacts_.write(std::span<const Vec4>(packed));
   }
   uploaded_ = state.positions;
-  if (rod_) rod_->takeFrames();
-  seen_ = SeenBodies();
+  if (rod_) rod_->markFramesStored();
+  previous_bodies_ = PreviousBodies();
 }
 
 void GpuStrands::download(StrandState& state) {
   if (rod_) {
     bind();
-    rod_->findFrames(programs_);
+    rod_->computeFrames(programs_);
   }
   std::vector<Vec4> packed(vertices_);
   auto read = [&](const gl::Buffer& from) {
@@ -209,9 +209,9 @@ void GpuStrands::bind() const {
   shapes_.bindStorage(14);
 }
 
-void GpuStrands::takeShapes(const ShapeData* shapes) {
+void GpuStrands::uploadShapes(const ShapeData* shapes) {
   if (shapes == nullptr || shapes->words.empty()) return;
-  if (shapes->revision == shapes_revision_) return takeBends(*shapes);
+  if (shapes->revision == shapes_revision_) return uploadBends(*shapes);
   GLint64 limit = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
   const size_t bytes = shapes->words.size() * sizeof(uint32_t);
@@ -226,13 +226,13 @@ void GpuStrands::takeShapes(const ShapeData* shapes) {
   shapes_revision_ = shapes->revision;
 }
 
-void GpuStrands::takeBends(const ShapeData& shapes) const {
+void GpuStrands::uploadBends(const ShapeData& shapes) const {
   for (const uint32_t at : shapes.bends)
     glNamedBufferSubData(shapes_.id(), static_cast<GLintptr>(at * sizeof(uint32_t)), sizeof(MovingBend),
                          shapes.words.data() + at);
 }
 
-void GpuStrands::makeSights() {
+void GpuStrands::allocateContactCache() {
   constexpr size_t kSightRows = 5;  // see shaders/contact_cache.glsl
   const size_t bytes = vertices_ * (1 + kSightRows) * sizeof(Vec4);
   if (contacts_.bytes() == bytes) return;
@@ -247,8 +247,8 @@ void GpuStrands::makeSights() {
   contacts_ = std::move(all);
 }
 
-void GpuStrands::expectUploads(const UploadRing::Counts& wanted) {
-  if (uploads_->takes(wanted)) return;
+void GpuStrands::growUploadRing(const UploadRing::Counts& wanted) {
+  if (uploads_->fits(wanted)) return;
   const UploadRing::Counts has = uploads_->capacity();
   glFinish();
   uploads_.emplace(model_,
@@ -260,8 +260,8 @@ void GpuStrands::step(const StepInput& input) {
   if (vertices_ == 0) return;
   prepare(*input.parameters, !input.primitives.empty());
   const UploadRing::Counts wanted = UploadRing::countsOf(input);
-  if (!uploads_->takes(wanted)) expectUploads({2 * wanted.bodies, 2 * wanted.near});
-  takeShapes(input.shapes);
+  if (!uploads_->fits(wanted)) growUploadRing({2 * wanted.bodies, 2 * wanted.near});
+  uploadShapes(input.shapes);
   uploads_->write(input);
   const Parameters& p = *input.parameters;
   const bool goal = p.goal_rate > 0;
@@ -285,7 +285,7 @@ void GpuStrands::step(const StepInput& input) {
                 .damping = p.damping_time > 0,
                 .time2 = static_cast<float>(
                     DragStep(p.air_drag, static_cast<double>(p.time_step) / p.substeps).time2),
-                .same_bodies = seen_.holdsIn(input)},
+                .same_bodies = previous_bodies_.matchesNext(input)},
                p.substeps, programs_);
   else
     gauss_seidel_->step(groomed_ || goal ? (model_.friction_along.empty() ? 1 : 2) : 0, accelerated,
@@ -297,7 +297,7 @@ void GpuStrands::step(const StepInput& input) {
 }
 
 const gl::Buffer& GpuStrands::shapes(const ShapeData* shapes) {
-  takeShapes(shapes);
+  uploadShapes(shapes);
   return shapes_;
 }
 

@@ -5,8 +5,8 @@
 
 #include "gpu_compute/gauss_seidel_strands.h"
 #include "gpu_compute/mapped_rings.h"
+#include "gpu_compute/previous_bodies.h"
 #include "gpu_compute/rod_strands.h"
-#include "gpu_compute/seen_bodies.h"
 #include "gpu_compute/step_timer.h"
 
 namespace strandcast::gpu {
@@ -16,8 +16,9 @@ namespace strandcast::gpu {
 class GpuStrands {
  public:
   /// Throws Error if the model does not fit the device. `model` and `programs` must outlive this.
-  /// `few_vertices` and `compiles_slowly`: see RodStrands.
-  GpuStrands(const StrandModel& model, ProgramCache& programs, size_t few_vertices, bool compiles_slowly);
+  /// `small_model_vertices` and `compiles_slowly`: see RodStrands.
+  GpuStrands(const StrandModel& model, ProgramCache& programs, size_t small_model_vertices,
+             bool compiles_slowly);
 
   /// Allocates what steps with these settings, and with bodies or without, need beyond the state. Idempotent.
   /// Throws Error if it does not fit the device.
@@ -52,18 +53,18 @@ class GpuStrands {
  private:
   void bind() const;
   /// Uploads the bends of shapes that are on the GPU already.
-  void takeBends(const ShapeData& shapes) const;
-  void takeShapes(const ShapeData* shapes);
+  void uploadBends(const ShapeData& shapes) const;
+  void uploadShapes(const ShapeData* shapes);
   /// Allocates the contact cache; keeps contact forces.
-  void makeSights();
+  void allocateContactCache();
   /// Replaces the upload ring if it is smaller than `wanted`; waits for the GPU then.
-  void expectUploads(const UploadRing::Counts& wanted);
+  void growUploadRing(const UploadRing::Counts& wanted);
   /// Throws Error if an allocation since discardErrors() ran out of memory.
   void checkMemory(const char* what) const;
 
   ProgramCache& programs_;
   const StrandModel& model_;
-  const size_t few_vertices_;
+  const size_t small_model_vertices_;
   const bool compiles_slowly_;
   size_t vertices_;
   gl::Buffer positions_;   ///< xyz, m; w: tension of the edge that ends at the vertex, m/s^2
@@ -83,7 +84,7 @@ class GpuStrands {
   std::optional<GaussSeidelStrands> gauss_seidel_;
   std::optional<RodStrands> rod_;
   std::array<bool, 8> expected_{};  ///< prepared, by solver, goal and bodies
-  SeenBodies seen_;
+  PreviousBodies previous_bodies_;
   std::optional<UploadRing> uploads_;  ///< never empty
   Readback readback_;
   StepTimer timer_;

@@ -53,7 +53,7 @@ HairPasses::HairPasses(const StrandModel& model, const Box& box, int cells, AirB
   changes_ = zeros<Vec4>(nodes_count_);
   rates_ = zeros<float>(1);
   makeDrag(model, samples);
-  measureRest(model, block);
+  computeRestDensity(model, block);
 }
 
 void HairPasses::makeDrag(const StrandModel& model, const StrandSamples& samples) {
@@ -72,7 +72,7 @@ void HairPasses::makeDrag(const StrandModel& model, const StrandSamples& samples
   drag_densities_ = zeros<float>(nodes_count_);
 }
 
-void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
+void HairPasses::computeRestDensity(const StrandModel& model, AirBlock& block) {
   std::vector<Vec4> rest(model.vertices());
   for (size_t s = 0; s < model.strands(); ++s)
     for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
@@ -84,7 +84,7 @@ void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
   block.send();
   splat({positions, velocities}, false);
   finishPass();
-  findDensity(false);
+  computeDensity(false);
   finishPass();
   bindTiles({positions, velocities});
   resting_.bindStorage(0);
@@ -97,7 +97,7 @@ void HairPasses::measureRest(const StrandModel& model, AirBlock& block) {
   reset();
 }
 
-void HairPasses::takeVolumeTarget(float volume_target) {
+void HairPasses::setVolumeTarget(float volume_target) {
   if (bound_target_ == volume_target) return;
   std::vector<std::array<float, 2>> resting(tiles_ * kTileSamples);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -109,7 +109,7 @@ void HairPasses::takeVolumeTarget(float volume_target) {
     if (!(mass > 0)) continue;  // padding of a tile
     const double m = static_cast<double>(mass),
                  r = static_cast<double>(rest) / static_cast<double>(volume_target);
-    crowding_bound_ += m * kernels::f64::largestCrowding(r, alone * m) * (1 + kMostHeld);
+    crowding_bound_ += m * kernels::f64::largestCrowding(r, alone * m) * (1 + kMaxHeldCrowding);
   }
 }
 
@@ -145,7 +145,7 @@ void HairPasses::reset() {
   measured_ = false;
 }
 
-void HairPasses::takeRates(std::span<const float> rates) {
+void HairPasses::setRates(std::span<const float> rates) {
   rated_ = !rates.empty();
   if (rated_) rates_ = gl::Buffer(rates);
 }
@@ -200,7 +200,7 @@ void HairPasses::splat(const Strands& strands, bool drags) {
   clean_ = false;
 }
 
-void HairPasses::expectSlip() {
+void HairPasses::reserveSlip() {
   if (slip_sums_.bytes() == 0) slip_sums_ = zeros<int32_t>(8 * nodes_count_);
 }
 
@@ -214,7 +214,7 @@ void HairPasses::splatSlip(const Strands& strands) {
   dispatchTiles();
 }
 
-void HairPasses::findDensity(bool drags) {
+void HairPasses::computeDensity(bool drags) {
   density_of_.get(programs_, "hair_density.comp", shaders::kHairDensityComp).use();
   fastest_.bindStorage(6);
   crowd_sums_.bindStorage(8);
@@ -238,7 +238,7 @@ void HairPasses::crowd(const Strands& strands) {
   dispatchTiles();
 }
 
-void HairPasses::findForces(bool crowds, bool rubs) {
+void HairPasses::computeForces(bool crowds, bool rubs) {
   sums_.bindStorage(7);
   crowd_sums_.bindStorage(8);
   nodes_.bindStorage(9);

@@ -25,9 +25,9 @@ class HairPasses {
   /// Clears the held crowding and the last largest velocity. For hair that was teleported.
   void reset();
   /// Drag rate per vertex, 1/s; empty: all vertices have AirSettings::drag.
-  void takeRates(std::span<const float> rates);
+  void setRates(std::span<const float> rates);
   /// Parameters::volume_target, from which the fixed-point scale of crowd() follows. Call it before crowd().
-  void takeVolumeTarget(float volume_target);
+  void setVolumeTarget(float volume_target);
 
   /// Positions, m, and velocities, m/s, of hair: 4 floats per vertex.
   struct Strands {
@@ -35,10 +35,10 @@ class HairPasses {
   };
   // Passes. Only gather() ends with finishPass(). `drags`: also the nodes weighted by drag, for onAir().
   void splat(const Strands& strands, bool drags);
-  void findDensity(bool drags);
+  void computeDensity(bool drags);
   void crowd(const Strands& strands);
   /// `crowds`: with pressure; `rubs`: with friction.
-  void findForces(bool crowds, bool rubs);
+  void computeForces(bool crowds, bool rubs);
   /// Source of the air's velocity: uniform wind, ambient wind and sources, wind grid.
   enum class Air { kUniform, kFree, kGrid };
   struct Needs {
@@ -53,7 +53,7 @@ class HairPasses {
               const gl::Buffer& turbulence, const gl::Buffer& sources, const gl::Buffer& accelerations);
 
   /// Allocates the memory of splatSlip().
-  void expectSlip();
+  void reserveSlip();
   /// Splats the directions of hair, for air that slips along hair. After splat().
   void splatSlip(const Strands& strands);
   /// Hair as the air feels it, with masses weighted by DragShares. `slips`: with the result of splatSlip().
@@ -69,7 +69,7 @@ class HairPasses {
   bool unevenlyDragged() const { return !drag_shares_.of_samples.empty(); }
   void makeDrag(const StrandModel& model, const StrandSamples& samples);
   void dispatchNodes() const;
-  void measureRest(const StrandModel& model, AirBlock& block);
+  void computeRestDensity(const StrandModel& model, AirBlock& block);
 
   ProgramCache& programs_;
   LazyProgram splat_, slip_of_, fastest_of_, density_of_, crowd_, rest_of_;

@@ -69,7 +69,7 @@ void UploadRing::write(const StepInput& input) {
   char* memory = memory_[slot_];
   const Settings settings = settingsOf(input, model_);
   std::memcpy(memory, &settings, sizeof settings);
-  leaders_.find(input.primitives);
+  leaders_.groupByMotion(input.primitives);
   placeBodies(input, leaders_, reinterpret_cast<PlacedBody*>(memory + bodies_at_));
   if (input.near != nullptr) leaders_.writeLists(*input.near, reinterpret_cast<uint32_t*>(memory + near_at_));
   Pose* poses = reinterpret_cast<Pose*>(memory + poses_at_);

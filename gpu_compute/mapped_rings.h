@@ -37,11 +37,11 @@ class UploadRing {
   UploadRing(const StrandModel& model, const Counts& capacity);
 
   const Counts& capacity() const { return capacity_; }
-  bool takes(const Counts& counts) const {
+  bool fits(const Counts& counts) const {
     return counts.bodies <= capacity_.bodies && counts.near <= capacity_.near;
   }
   /// Copies `input` through the next slot, and binds the blocks of shaders/step_input.glsl to the GPU's copy.
-  /// Waits while the GPU may still read the slot. Precondition: takes(countsOf(input)).
+  /// Waits while the GPU may still read the slot. Precondition: fits(countsOf(input)).
   void write(const StepInput& input);
 
  private:

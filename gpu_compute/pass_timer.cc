@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kBegin = "";
 constexpr const char* kWhole = "all";
-constexpr size_t kMostPasses = 16;  // marks per frame, its begin included
+constexpr size_t kMaxPasses = 16;  // marks per frame, its begin included
 constexpr size_t kQueriesAtOnce = 16;
 
 }  // namespace
@@ -23,7 +23,7 @@ void PassTimer::measure(bool each, size_t frames) {
   on_ = true;
   each_ = each;
   by_clock_ = gl::currentIsSoftware();
-  marks_.reserve(frames * (each ? kMostPasses : 2));
+  marks_.reserve(frames * (each ? kMaxPasses : 2));
   free_.reserve(kQueriesAtOnce);
 }
 

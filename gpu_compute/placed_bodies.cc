@@ -73,7 +73,7 @@ void Leaders::reserve(size_t bodies) {
   listed_.reserve(bodies);
 }
 
-void Leaders::find(std::span<const MovingPrimitive> bodies) {
+void Leaders::groupByMotion(std::span<const MovingPrimitive> bodies) {
   leaders_.clear();
   for (uint32_t i = 0; i < bodies.size(); ++i) leaders_.push_back(leaderOf(bodies, i));
 }

@@ -40,13 +40,13 @@ PlacedBody placedBody(const MovingPrimitive& primitive, double time, double part
 /// computed for leaders only.
 class Leaders {
  public:
-  /// Reserves memory: find() of up to `bodies` bodies does not allocate.
+  /// Reserves memory: groupByMotion() of up to `bodies` bodies does not allocate.
   void reserve(size_t bodies);
   /// Finds the leaders of `bodies`.
-  void find(std::span<const MovingPrimitive> bodies);
+  void groupByMotion(std::span<const MovingPrimitive> bodies);
   uint32_t of(size_t body) const { return leaders_[body]; }
   /// Writes `near` (offsets, then bodies), then lists of the same form with the leaders of these bodies, each
-  /// leader once per list. Writes at most twice as many words as `near` has. After find().
+  /// leader once per list. Writes at most twice as many words as `near` has. After groupByMotion().
   void writeLists(const NearBodyLists& near, uint32_t* out);
 
  private:

@@ -18,7 +18,7 @@ using Vec4 = std::array<float, 4>;
 
 // Edges per invocation. With four, contact, or factors that differ along curls, exceed the registers: on an
 // H100 3.9 ms instead of 2.3 for 100,000 strands on a sphere, 1.70 instead of 1.29 with factors.
-constexpr uint32_t kPerThread = 4, kFewerPerThread = 2;
+constexpr uint32_t kPerThread = 4, kReducedPerThread = 2;
 
 // A group's key: the number of invocations per strand with kPerThread edges each, in the low 6 bits, and
 // traits of its strands that decide on the variant of shaders/rod.comp.
@@ -40,9 +40,9 @@ struct Spread {
   uint32_t threads;     // invocations per strand
 };
 Spread spreadOf(uint32_t key, bool bodies) {
-  const uint32_t threads = threadsOf(key), more = threads * (kPerThread / kFewerPerThread);
+  const uint32_t threads = threadsOf(key), more = threads * (kPerThread / kReducedPerThread);
   const bool many_values = bodies || (key & (kCurved | kStraight)) == kCurved;
-  return many_values && more <= kWorkgroup ? Spread{kFewerPerThread, more} : Spread{kPerThread, threads};
+  return many_values && more <= kWorkgroup ? Spread{kReducedPerThread, more} : Spread{kPerThread, threads};
 }
 
 // Strands of rare kinds use the generic variant with 8 or 32 invocations per strand. Where compilation is
@@ -51,7 +51,7 @@ constexpr uint32_t sharedThreads(uint32_t threads) { return threads <= 8 ? 8 : k
 
 // Groups of at least this many strands solve those with a stale contact cache in a dispatch of their own. It
 // costs 0.03 ms of each substep on an H100, and saves 1.1 ms per step with 100,000 strands.
-constexpr uint32_t kStaleCacheApart = 32768;
+constexpr uint32_t kMinStaleCacheGroup = 32768;
 
 constexpr GLuint kWholeGroup = 0xFFFFFFFF;  // as in shaders/rod_strand.glsl
 
@@ -169,7 +169,7 @@ std::vector<uint32_t> keysOf(const StrandModel& model, bool compiles_slowly) {
   std::vector<uint32_t> keys(model.strands());
   std::array<size_t, kKeys> count{};
   for (uint32_t s = 0; s < keys.size(); ++s) ++count[keys[s] = keyOf(model, s)];
-  const auto isRare = [&](uint32_t key) { return count[key] < kOwnProgram; };
+  const auto isRare = [&](uint32_t key) { return count[key] < kMinVariantStrands; };
   uint32_t grooming = 0;  // kGrooming bits of all rare kinds
   for (const uint32_t key : keys)
     if (isRare(key)) grooming |= key & kGrooming;
@@ -189,22 +189,22 @@ int uniformityOf(uint32_t key, bool goal) {
 
 // Entry of an empty list in work_: an indirect dispatch of no workgroups, and a count of 0.
 constexpr std::array<GLuint, 4> kEmptyDispatch = {0, 1, 1, 0};
-constexpr size_t kMostSubsteps = 64;
+constexpr size_t kMaxSubsteps = 64;
 
 // Strands per workgroup of the shaders:
-constexpr uint32_t kStrandsPerQuery = 8;  // query_contacts.comp
-constexpr uint32_t kRootsPerGroup = 64;   // roots.comp
-constexpr uint32_t kSorted = 128;         // contact_free_strands.comp
-constexpr uint32_t kFindingFrames = 32;   // straight_frames.comp
+constexpr uint32_t kStrandsPerQuery = 8;      // query_contacts.comp
+constexpr uint32_t kRootsPerGroup = 64;       // roots.comp
+constexpr uint32_t kClassifyWorkgroup = 128;  // contact_free_strands.comp
+constexpr uint32_t kFramesWorkgroup = 32;     // straight_frames.comp
 // Workgroups of resolve_penetration.comp, which loop over a list of any length: enough to fill any GPU.
 constexpr uint32_t kPenetrationGroups = 2048;
 
 }  // namespace
 
-RodStrands::RodStrands(const StrandModel& model, size_t few, bool compiles_slowly)
+RodStrands::RodStrands(const StrandModel& model, size_t small_model, bool compiles_slowly)
     : model_(model),
       groups_(keysOf(model, compiles_slowly)),
-      few_(few),
+      small_model_vertices_(small_model),
       compiles_slowly_(compiles_slowly),
       shuffled_(isOneSubgroup(subgroupsOfDevice(), static_cast<int>(kWorkgroup))) {
   std::vector<Vec4> joints(model.vertices());
@@ -226,7 +226,7 @@ RodStrands::RodStrands(const StrandModel& model, size_t few, bool compiles_slowl
   for (const StrandGroup& group : groups_.groups()) {
     const std::span<const uint32_t> members = groups_.strandsOf(group);
     const size_t vertices = model.verticesOf(members[0]);
-    const bool same = members.size() >= kOwnProgram &&
+    const bool same = members.size() >= kMinVariantStrands &&
                       std::all_of(members.begin(), members.end(),
                                   [&](uint32_t s) { return model.verticesOf(s) == vertices; });
     edges_of_.push_back(same ? static_cast<uint32_t>(vertices) - 1 : 0);
@@ -238,21 +238,22 @@ bool RodStrands::anyGroup(uint32_t bits) const {
   return std::any_of(groups.begin(), groups.end(), [=](const StrandGroup& g) { return (g.key & bits) != 0; });
 }
 
-bool RodStrands::areFew(bool bodies) const {
-  return model_.vertices() <= (bodies ? few_ / 3 * 2 : few_);  // among bodies a strand needs more threads
+bool RodStrands::isSmallModel(bool bodies) const {
+  return model_.vertices() <= (bodies ? small_model_vertices_ / 3 * 2
+                                      : small_model_vertices_);  // among bodies a strand needs more threads
 }
 
-bool RodStrands::queriesStaleApart(const StrandGroup& group) const {
-  return !areFew(true) && group.count >= kStaleCacheApart;
+bool RodStrands::separatesStaleCache(const StrandGroup& group) const {
+  return !isSmallModel(true) && group.count >= kMinStaleCacheGroup;
 }
 
 bool RodStrands::isStiff(const Needs& needs) const { return kernels::f32::isStiff(stiffest_ * needs.time2); }
 
-bool RodStrands::holdsVertices() const { return anyGroup(kPinned | kGroomed); }
+bool RodStrands::needsRestShape() const { return anyGroup(kPinned | kGroomed); }
 
-void RodStrands::findFrames(ProgramCache& programs) {
-  if (!frames_lag_) return;
-  frames_lag_ = false;
+void RodStrands::computeFrames(ProgramCache& programs) {
+  if (!frames_stale_) return;
+  frames_stale_ = false;
   const gl::Program& find =
       straight_frames_.get(programs, "straight_frames.comp", shaders::kStraightFramesComp);
   work_.bindStorage(5);
@@ -260,7 +261,7 @@ void RodStrands::findFrames(ProgramCache& programs) {
     if ((group.key & kStraight) == 0) continue;
     glProgramUniform1ui(find.id(), 0, group.first);
     glProgramUniform1ui(find.id(), 1, group.count);
-    dispatch(find, group.count, kFindingFrames);
+    dispatch(find, group.count, kFramesWorkgroup);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
@@ -304,8 +305,8 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
   };
   Programs out;
   for (size_t g = 0; g < edges_of_.size(); ++g) {
-    const bool apart = needs.bodies && queriesStaleApart(groups_.groups()[g]);
-    out.calm.push_back(areFew(needs.bodies) ? nullptr : get(g, Motion::kCalm, false));
+    const bool apart = needs.bodies && separatesStaleCache(groups_.groups()[g]);
+    out.tridiagonal.push_back(isSmallModel(needs.bodies) ? nullptr : get(g, Motion::kTridiagonal, false));
     out.dense_metric.push_back(get(g, Motion::kDenseMetric, needs.bodies && !apart));
     out.stale_cache.push_back(apart ? get(g, Motion::kDenseMetric, true) : nullptr);
   }
@@ -315,9 +316,9 @@ RodStrands::Programs RodStrands::compile(const Needs& needs, ProgramCache& progr
 void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) {
   const int dispatches = needs.bodies ? substeps : 1;
   if (needs.bodies)
-    findFrames(programs);
+    computeFrames(programs);
   else
-    frames_lag_ = frames_lag_ || anyGroup(kStraight);
+    frames_stale_ = frames_stale_ || anyGroup(kStraight);
   Programs& mine = programs_[(needs.bodies ? 1 : 0) + (needs.goal ? 2 : 0) + (needs.accelerated ? 4 : 0) +
                              (needs.damping ? 8 : 0) + 16 * static_cast<size_t>(needs.shape_kinds) +
                              (isStiff(needs) ? 48 : 0)];
@@ -326,7 +327,7 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
   joints_.bindStorage(10);
   if (edges_.bytes() > 0) edges_.bindStorage(11);
   strands_.bindStorage(12);
-  if (!needs.bodies && areFew(false)) {  // one variant solves all strands: no lists
+  if (!needs.bodies && isSmallModel(false)) {  // one variant solves all strands: no lists
     solve(mine, needs, 0, substeps);
     return;
   }
@@ -339,7 +340,7 @@ void RodStrands::step(const Needs& needs, int substeps, ProgramCache& programs) 
     solve(mine, needs, 0, substeps);
     return;
   }
-  const bool sorted = sortsOutContactFree(needs);
+  const bool sorted = separatesContactFree(needs);
   const auto shape_kinds = static_cast<size_t>(needs.shape_kinds);
   const gl::Program& roots =
       roots_[shape_kinds].get(programs, "roots.comp", shaders::kRootsComp, kShapeKinds[shape_kinds]);
@@ -383,11 +384,12 @@ void RodStrands::stepContactFree(const Needs& needs, int substeps, ProgramCache&
     glProgramUniform1ui(sort.id(), 1, groups[g].count);
     glProgramUniform2ui(sort.id(), 2, contact_free.count, near.count);
     glProgramUniform2ui(sort.id(), 3, contact_free.list, near.list);
-    dispatch(sort, groups[g].count, kSorted);
+    dispatch(sort, groups[g].count, kClassifyWorkgroup);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   for (size_t g = 0; g < groups.size(); ++g) {
-    placeWork(*mine[g], needs, false, g, listed(List::kContactFree, g), listed(List::kNear, g), 0, substeps);
+    setUniforms(*mine[g], needs, false, g, listed(List::kContactFree, g), listed(List::kNear, g), 0,
+                substeps);
     dispatch(*mine[g], groups[g].count, kWorkgroup / spreadOf(groups[g].key, false).threads);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -395,21 +397,21 @@ void RodStrands::stepContactFree(const Needs& needs, int substeps, ProgramCache&
 
 void RodStrands::solve(const Programs& programs, const Needs& needs, int first, int end) const {
   const std::span<const StrandGroup> groups = groups_.groups();
-  const bool few = areFew(needs.bodies);
+  const bool small_model = isSmallModel(needs.bodies);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const gl::Program& program = few ? *programs.dense_metric[g] : *programs.calm[g];
-    const StrandList own = sortsOutContactFree(needs) ? listed(List::kNear, g) : wholeGroup(g);
-    placeWork(program, needs, needs.bodies, g, own, listed(List::kDenseMetric, g, first), first, end);
+    const gl::Program& program = small_model ? *programs.dense_metric[g] : *programs.tridiagonal[g];
+    const StrandList own = separatesContactFree(needs) ? listed(List::kNear, g) : wholeGroup(g);
+    setUniforms(program, needs, needs.bodies, g, own, listed(List::kDenseMetric, g, first), first, end);
     dispatch(program, groups[g].count, kWorkgroup / spreadOf(groups[g].key, needs.bodies).threads);
   }
-  if (few) return;
+  if (small_model) return;
   auto doAll = [&](const GroupPrograms& left, List list) {
     if (std::all_of(left.begin(), left.end(), [](auto program) { return program == nullptr; })) return;
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     for (size_t g = 0; g < groups.size(); ++g) {
       if (left[g] == nullptr) continue;
       const StrandList own = listed(list, g, first);
-      placeWork(*left[g], needs, needs.bodies, g, own, own, first, end);
+      setUniforms(*left[g], needs, needs.bodies, g, own, own, first, end);
       left[g]->use();
       glDispatchComputeIndirect(static_cast<GLintptr>((own.count - 3) * sizeof(uint32_t)));
     }
@@ -425,7 +427,7 @@ size_t RodStrands::denseMetricAt(size_t group, int substep) const {
 
 size_t RodStrands::listAt(List list, size_t group) const {
   const size_t first = list == List::kPenetrating ? 0 : groups_.groups()[group].first;
-  return denseMetricAt(0, kMostSubsteps) + static_cast<size_t>(list) * groups_.order().size() + first;
+  return denseMetricAt(0, kMaxSubsteps) + static_cast<size_t>(list) * groups_.order().size() + first;
 }
 
 RodStrands::StrandList RodStrands::listed(List list, size_t group, int substep) const {
@@ -440,8 +442,8 @@ RodStrands::StrandList RodStrands::wholeGroup(size_t group) const {
   return {kWholeGroup, groups_.groups()[group].first};
 }
 
-void RodStrands::placeWork(const gl::Program& program, const Needs& needs, bool bodies, size_t group,
-                           StrandList own, StrandList left, int first, int end) const {
+void RodStrands::setUniforms(const gl::Program& program, const Needs& needs, bool bodies, size_t group,
+                             StrandList own, StrandList left, int first, int end) const {
   glProgramUniform1ui(program.id(), 0, own.count);
   glProgramUniform1ui(program.id(), 1, own.list);
   glProgramUniform1ui(program.id(), 2, left.count);
@@ -452,8 +454,8 @@ void RodStrands::placeWork(const gl::Program& program, const Needs& needs, bool 
   const int uniform = uniformityOf(groups_.groups()[group].key, needs.goal);
   if (!bodies && (uniform == 1 || uniform == 2)) glProgramUniform1ui(program.id(), 11, edge_row_);
   if (!bodies) return;
-  const List to = queriesStaleApart(groups_.groups()[group]) ? List::kStaleCache : List::kDenseMetric;
-  const StrandList stale_cache = areFew(true) ? own : listed(to, group, first);
+  const List to = separatesStaleCache(groups_.groups()[group]) ? List::kStaleCache : List::kDenseMetric;
+  const StrandList stale_cache = isSmallModel(true) ? own : listed(to, group, first);
   glProgramUniform1ui(program.id(), 6, static_cast<GLuint>(penetratingCount(first)));
   glProgramUniform1ui(program.id(), 7, static_cast<GLuint>(listAt(List::kPenetrating)));
   glProgramUniform1ui(program.id(), 8, stale_cache.count);

@@ -12,14 +12,14 @@ namespace strandcast::gpu {
 /// which it was constructed is current.
 class RodStrands {
  public:
-  /// `model` must outlive this. `few`: a model of up to this many vertices, among bodies two thirds of it, is
-  /// solved in one dispatch per group, by the variant with the dense metric. `compiles_slowly`: strands of
-  /// rare kinds share one variant, though it does more than some of them need.
-  RodStrands(const StrandModel& model, size_t few, bool compiles_slowly);
+  /// `model` must outlive this. `small_model`: a model of up to this many vertices, among bodies two thirds
+  /// of it, is solved in one dispatch per group, by the variant with the dense metric. `compiles_slowly`:
+  /// strands of rare kinds share one variant, though it does more than some of them need.
+  RodStrands(const StrandModel& model, size_t small_model, bool compiles_slowly);
   /// Allocates the rest data that steps with a goal or bodies need. Call it before the first of them.
   void prepare(bool goal, bool bodies);
   /// Whether shaders read the rest shape even without a goal: for pinned vertices or grooming factors.
-  bool holdsVertices() const;
+  bool needsRestShape() const;
   /// What decides on the shader variants and passes of a step.
   struct Needs {
     bool bodies;       ///< there are bodies
@@ -38,33 +38,33 @@ class RodStrands {
   void step(const Needs& needs, int substeps, ProgramCache& programs);
   /// Computes the material frames that steps without bodies have not stored: of strands that are straight at
   /// rest, all but the first. Precondition: the buffers of GpuStrands are bound.
-  void findFrames(ProgramCache& programs);
+  void computeFrames(ProgramCache& programs);
   /// Tells that all frames have been uploaded.
-  void takeFrames() { frames_lag_ = false; }
+  void markFramesStored() { frames_stale_ = false; }
 
  private:
   using GroupPrograms = std::vector<const gl::Program*>;
   /// Variants per group: without the dense metric, with it, and with it and contact queries. A strand that
-  /// one cannot solve is left to the next. Null if another variant includes it: `calm` in small models,
-  /// `stale_cache` in groups that are not large.
+  /// one cannot solve is left to the next. Null if another variant includes it: `tridiagonal` in small
+  /// models, `stale_cache` in groups that are not large.
   struct Programs {
-    GroupPrograms calm, dense_metric, stale_cache;
+    GroupPrograms tridiagonal, dense_metric, stale_cache;
   };
   /// Whether the model is small: one variant solves all strands.
-  bool areFew(bool bodies) const;
+  bool isSmallModel(bool bodies) const;
   /// Whether strands of the group with a stale contact cache are solved by a dispatch of their own.
-  bool queriesStaleApart(const StrandGroup& group) const;
+  bool separatesStaleCache(const StrandGroup& group) const;
   /// Whether any strand is stiff, isStiff() of kernels/rod.h, at this time2.
   bool isStiff(const Needs& needs) const;
   /// Whether the key of any group has one of these bits.
   bool anyGroup(uint32_t bits) const;
-  enum class Motion { kContactFree, kCalm, kDenseMetric };
+  enum class Motion { kContactFree, kTridiagonal, kDenseMetric };
   const gl::Program& compile(size_t group, Motion motion, bool stale_cache, const Needs& needs,
                              ProgramCache& programs) const;
   Programs compile(const Needs& needs, ProgramCache& programs) const;
   /// Whether contact-free strands are solved apart: in large models among bodies, unless there are fields.
-  bool sortsOutContactFree(const Needs& needs) const {
-    return needs.bodies && !areFew(true) && !needs.fields;
+  bool separatesContactFree(const Needs& needs) const {
+    return needs.bodies && !isSmallModel(true) && !needs.fields;
   }
   /// After the first contact queries of a step: classifies strands, and solves the contact-free ones.
   void stepContactFree(const Needs& needs, int substeps, ProgramCache& programs);
@@ -89,8 +89,8 @@ class RodStrands {
   StrandList wholeGroup(size_t group) const;
   /// Sets the program's uniforms: the strands of a group to solve, the list for those that it cannot solve,
   /// and the substeps. `bodies`: the BODIES variant.
-  void placeWork(const gl::Program& program, const Needs& needs, bool bodies, size_t group, StrandList own,
-                 StrandList left, int first, int end) const;
+  void setUniforms(const gl::Program& program, const Needs& needs, bool bodies, size_t group, StrandList own,
+                   StrandList left, int first, int end) const;
 
   const StrandModel& model_;
   StrandGroups groups_;             ///< key: see rod_strands.cc
@@ -100,7 +100,7 @@ class RodStrands {
   gl::Buffer work_, joints_, strands_;
   gl::Buffer edges_;       ///< empty until a step needs it: variants for uniform strands do not
   uint32_t edge_row_ = 0;  ///< floats per row of edges_: 0, 1, 2 or 4
-  const size_t few_;
+  const size_t small_model_vertices_;
   const bool compiles_slowly_;
   const bool shuffled_;
   std::array<Programs, 96> programs_;                       ///< by needs; empty until first needed
@@ -108,7 +108,7 @@ class RodStrands {
   std::array<LazyProgram, 3> roots_, resolve_penetration_;  ///< by Needs::shape_kinds
   std::array<LazyProgram, 9> query_contacts_;  ///< by shape_kinds and SORTING of query_contacts.comp
   LazyProgram contact_free_strands_, straight_frames_;
-  bool frames_lag_ = false;  ///< some frames are not stored: see findFrames()
+  bool frames_stale_ = false;  ///< some frames are not stored: see computeFrames()
 };
 
 }  // namespace strandcast::gpu

@@ -10,7 +10,7 @@ namespace {
 
 // Pieces per strand in a tile, at most. A strand with more is cut into tiles of about kSomePieces pieces, so
 // that a tile still has several strands.
-constexpr uint32_t kMostPieces = 64, kSomePieces = 48;
+constexpr uint32_t kMaxPieces = 64, kSomePieces = 48;
 constexpr float kPlacesPerCell = 4;  // resolution of the Morton order, per cell of the hair grid and axis
 constexpr uint32_t kPlaceBits = 10;  // per axis
 
@@ -62,7 +62,7 @@ SampleTiles sampleTiles(const StrandModel& model, const StrandSamples& samples, 
   for (uint32_t first = 0; first < strands.size();) {
     const StrandPieces& cut = samples.strands[strands[first]];
     const uint32_t all = cut.pieces, parts = cut.parts;
-    const uint32_t at_once = all <= kMostPieces ? all : kSomePieces / parts * parts;
+    const uint32_t at_once = all <= kMaxPieces ? all : kSomePieces / parts * parts;
     const uint32_t margin = at_once < all ? parts : 0;
     const uint32_t most = kTileSamples / (at_once + margin);
     uint32_t count = 1;

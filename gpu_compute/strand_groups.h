@@ -38,7 +38,7 @@ class LazyProgram {
 /// Least number of invocations per workgroup of the solvers' shaders.
 constexpr uint32_t kWorkgroup = 32;
 /// A kind of fewer strands than this gets no shader variant of its own if a more general one can solve it.
-constexpr size_t kOwnProgram = 512;
+constexpr size_t kMinVariantStrands = 512;
 
 /// Strands that one dispatch of one shader variant solves.
 struct StrandGroup {

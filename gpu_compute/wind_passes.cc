@@ -120,7 +120,7 @@ void WindPasses::bindSources() {
   sources_.bindStorage(14);
 }
 
-void WindPasses::takeSources(std::vector<WindSource> sources) {
+void WindPasses::setSources(std::vector<WindSource> sources) {
   on_grid_ = std::move(sources);
   for (WindSource& source : on_grid_) source = onGrid(source, cell_);
   spheres_ = border_ == Wind::Border::kOpen &&
@@ -170,7 +170,7 @@ void WindPasses::setFaces(std::span<const float> values) {
   finishPass();
 }
 
-void WindPasses::takeBodies(std::span<const MovingPrimitive> bodies, AirSettings& s) {
+void WindPasses::setBodies(std::span<const MovingPrimitive> bodies, AirSettings& s) {
   s.bodies = static_cast<int>(bodies.size());
   if (bodies.empty()) return;
   if (bodies.size() > bodies_room_) {
@@ -189,7 +189,7 @@ gl::Buffer WindPasses::packed(std::span<const WindSource> sources) {
   return bufferOf(packed);
 }
 
-void WindPasses::findDisplacements(bool mac_cormack) {
+void WindPasses::computeDisplacements(bool mac_cormack) {
   centres_.bindStorage(2);
   displacements_.bindStorage(3);
   onwards_.bindStorage(4);
@@ -219,7 +219,7 @@ void WindPasses::advect(bool mac_cormack) {
   advance(mac_cormack ? 2 : 1);
 }
 
-void WindPasses::findSolids(const gl::Buffer& shapes) {
+void WindPasses::computeSolids(const gl::Buffer& shapes) {
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, body_settings_.id());
   solids_.bindStorage(0);
   bodies_.bindStorage(7);
@@ -231,11 +231,11 @@ void WindPasses::findSolids(const gl::Buffer& shapes) {
   dispatchCells();
 }
 
-void WindPasses::expectSlip() {
+void WindPasses::reserveSlip() {
   if (slip_.bytes() == 0) slip_ = zeros<std::array<float, 8>>(cubed(cells_));
 }
 
-void WindPasses::findExchange(const std::optional<HairOnAir>& hair) {
+void WindPasses::computeExchange(const std::optional<HairOnAir>& hair) {
   const bool slips = hair && hair->slip_sums != nullptr;
   bindSources();
   exchange_.bindStorage(5);
@@ -325,7 +325,7 @@ PressureReport WindPasses::project() {
     const PressurePasses::State state = pressure_.download();
     fastest = tolerance(state);
     report = PressurePasses::reportOf(state);
-  } while (report.residual > static_cast<double>(fastest) && report.iterations < kMostIterations);
+  } while (report.residual > static_cast<double>(fastest) && report.iterations < kMaxPressureIterations);
   subtractGradient();
   return report;
 }
@@ -348,7 +348,7 @@ void WindPasses::projectAhead(PassTimer& timer) {
   if (r.step >= 2) {
     const auto last = static_cast<size_t>((r.step - 2) % kSlots);
     r.fences[last].wait();
-    iterations = std::min(r.memory[last]->iterations + kAhead, kMostIterations);
+    iterations = std::min(r.memory[last]->iterations + kAhead, kMaxPressureIterations);
   }
   closeFaces();
   timer.passed("close faces");

@@ -44,32 +44,32 @@ class WindPasses {
   void reset(AirBlock& block);
   void setFaces(std::span<const float> faces);  ///< m/s, in the order of shaders/air_settings.glsl
 
-  /// Sets the bodies of findSolids(). Their shape data must be in its `shapes`. Bodies are copied.
-  void takeBodies(std::span<const MovingPrimitive> bodies, AirSettings& settings);
-  /// As Wind::takeSources(). Takes effect with the next describe().
-  void takeSources(std::vector<WindSource> sources);
+  /// Sets the bodies of computeSolids(). Their shape data must be in its `shapes`. Bodies are copied.
+  void setBodies(std::span<const MovingPrimitive> bodies, AirSettings& settings);
+  /// As Wind::setSources(). Takes effect with the next describe().
+  void setSources(std::vector<WindSource> sources);
   /// The spheres among the sources, if the border is open: they set target divergences.
   std::vector<SphereOnGrid> spheres() const;
   /// Sources of wind in the layout of shaders/ambient.glsl, for use without a grid.
   static gl::Buffer packed(std::span<const WindSource> sources);
 
-  // Passes. They end with finishPass(), but for findDisplacements(), findSolids() and findExchange(): the
-  // caller calls it once for several of these.
-  void findDisplacements(bool mac_cormack);
+  // Passes. They end with finishPass(), but for computeDisplacements(), computeSolids() and
+  // computeExchange(): the caller calls it once for several of these.
+  void computeDisplacements(bool mac_cormack);
   void advect(bool mac_cormack);
-  void findSolids(const gl::Buffer& shapes);
+  void computeSolids(const gl::Buffer& shapes);
   /// Allocates the memory for air that slips along hair.
-  void expectSlip();
+  void reserveSlip();
   /// Momentum exchange of the step with sources and, if given, `hair`.
-  void findExchange(const std::optional<HairOnAir>& hair);
-  /// `viscosity` in m^2/s. `exchanges`: afterwards applies the result of findExchange().
+  void computeExchange(const std::optional<HairOnAir>& hair);
+  /// `viscosity` in m^2/s. `exchanges`: afterwards applies the result of computeExchange().
   void diffuse(double seconds, double viscosity, bool exchanges);
-  /// Applies the result of findExchange() for air that slips along hair. After diffuse() without exchange.
+  /// Applies the result of computeExchange() for air that slips along hair. After diffuse() without exchange.
   void exchangeSlipping();
   /// Boundary conditions and right-hand sides of the pressure solve; project() and projectAhead() call it.
   void closeFaces();
   /// Projection, with iterations until the residual reaches the tolerance (kResidual, kStill), at most
-  /// kMostIterations. Waits for the GPU.
+  /// kMaxPressureIterations. Waits for the GPU.
   PressureReport project();
   /// Projection with a fixed number of iterations, one more than the step before last took. Waits at most for
   /// that step.

@@ -176,7 +176,7 @@ float medianEdge(const StrandSet& strands) {
 
 /// Warns of a size or position that no hair has: a sign of a wrong unit.
 void warnOfUnit(Groom& groom, const std::string& name) {
-  constexpr float kMostRounding = 0.05f;  // float rounding of positions, as a share of an edge
+  constexpr float kMaxRounding = 0.05f;  // float rounding of positions, as a share of an edge
   Box bounds;
   for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
   const float size = bounds.sizes().maxCoeff();
@@ -189,7 +189,7 @@ void warnOfUnit(Groom& groom, const std::string& name) {
   }
   const float farthest = std::max(bounds.min().cwiseAbs().maxCoeff(), bounds.max().cwiseAbs().maxCoeff());
   const float rounding = farthest * std::numeric_limits<float>::epsilon(), edge = medianEdge(groom.strands);
-  if (rounding > kMostRounding * edge)
+  if (rounding > kMaxRounding * edge)
     groom.report.warnings.push_back(fmt::format(
         "{}: with a unit of {:g} m the groom lies {:.3g} m from the origin, where positions are rounded to "
         "{:.2g} m and edges are {:.2g} m: give its unit (--unit-meters), or move it to the origin",
@@ -211,7 +211,7 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
   std::set<std::filesystem::path> places;
   for (size_t f = 0; f < files.size(); ++f) {
     RawGroom raw = readRawGroom(files[f]);
-    turnYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
+    rotateToYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
     if (f == 0)
       said = raw.unit_meters;
     else if (options.unit_meters == 0)

@@ -41,7 +41,7 @@ void findRuns(std::span<const Vec3> points, Runs& runs) {
 }
 
 /// Moves the pin of a vertex that is merged away to the vertex that stays.
-void handOverPins(StrandSet& strands, size_t s, const Runs& runs) {
+void transferPinsOfRemoved(StrandSet& strands, size_t s, const Runs& runs) {
   if (strands.pinned.empty()) return;
   uint8_t* pinned = strands.pinned.data() + strands.offsets[s];
   size_t run = 0;
@@ -64,7 +64,7 @@ void mergeAndDrop(Groom& groom, float median) {
       continue;
     }
     groom.report.duplicate_vertices += points.size() - runs.kept.size();
-    handOverPins(groom.strands, s, runs);
+    transferPinsOfRemoved(groom.strands, s, runs);
     appendStrand(cleaned, groom.strands, s, runs.kept);
   }
   groom.strands = std::move(cleaned);
@@ -158,7 +158,7 @@ class EvenCut {
     at_.assign(points_.size(), 0.0);
     for (size_t i = 1; i < points_.size(); ++i) at_[i] = at_[i - 1] + (point(i) - point(i - 1)).norm();
     places_.assign(count, 0.0);
-    findPlaces();
+    computePlaces();
   }
   /// Arc length of new vertex `k`, m.
   double place(size_t k) const { return places_[k]; }
@@ -215,13 +215,13 @@ class EvenCut {
   /// Jarratt 1971, "A modified regula falsi method"). Returns false where there is none, as may be in a
   /// strand that returns to itself.
   bool marchToTip() {
-    constexpr int kMostMarches = 60;
+    constexpr int kMaxMarches = 60;
     const double length = at_.back(), exact = 1e-10 * length;
     // The upper bound holds because a chord is the shortest path.
     double low = 0, high = length / static_cast<double>(places_.size() - 1);
     double below = -length, above = march(high);
     if (above <= exact) return true;
-    for (int marches = 0, side = 0; marches < kMostMarches; ++marches) {
+    for (int marches = 0, side = 0; marches < kMaxMarches; ++marches) {
       const double chord = (low * above - high * below) / (above - below), beyond = march(chord);
       if (std::abs(beyond) <= exact) return true;
       const int now = beyond > 0 ? 1 : -1;
@@ -232,7 +232,7 @@ class EvenCut {
     }
     return false;
   }
-  void findPlaces() {
+  void computePlaces() {
     const double length = at_.back();
     last_edge_ = 0;
     for (size_t e = 0; e + 1 < at_.size(); ++e)
@@ -250,7 +250,7 @@ class EvenCut {
 
 /// A new vertex is pinned if it lies between two pinned neighbours. In addition each pinned vertex pins the
 /// new vertex nearest to it: an isolated pin would otherwise be lost between two samples.
-void carryPins(const StrandSet& from, size_t s, const EvenCut& cut, std::span<uint8_t> pins) {
+void transferPins(const StrandSet& from, size_t s, const EvenCut& cut, std::span<uint8_t> pins) {
   const uint8_t* old_pins = from.pinned.data() + from.offsets[s];
   const size_t old_count = from.verticesOf(s);
   const auto last = static_cast<double>(pins.size() - 1);
@@ -280,7 +280,7 @@ void resampleStrand(const StrandSet& from, size_t s, size_t count, EvenCut& cut,
   }
   if (!from.pinned.empty()) {
     to.pinned.resize(to.positions.size(), 0);
-    carryPins(from, s, cut, std::span(to.pinned).last(count));
+    transferPins(from, s, cut, std::span(to.pinned).last(count));
   }
   if (!from.uvs.empty()) to.uvs.push_back(from.uvs[s]);
   if (!from.parts.empty()) to.parts.push_back(from.parts[s]);

@@ -262,7 +262,9 @@ class Polygoniser {
   static inline const Vec3 kLow{-240, -460, -190}, kHigh{240, 115, 140};  // mm, holds the sculpture
 
   size_t at(const Index& i) const { return (static_cast<size_t>(i[2]) * n_[1] + i[1]) * n_[0] + i[0]; }
-  Vec3 place(const Index& i) const { return kLow + cell_ * Vec3(float(i[0]), float(i[1]), float(i[2])); }
+  Vec3 vertexPosition(const Index& i) const {
+    return kLow + cell_ * Vec3(float(i[0]), float(i[1]), float(i[2]));
+  }
 
   // Fills the values at the corners of a block. Far from the surface they all get the value at the block's
   // centre, for its sign. Near the surface the block is divided by eight. The smallest blocks are evaluated
@@ -272,7 +274,7 @@ class Polygoniser {
     for (int c = 0; c < 3; ++c) high[c] = std::min(low[c] + size, n_[c]);
     if (low[0] >= high[0] || low[1] >= high[1] || low[2] >= high[2]) return;
     const float half = 0.5f * static_cast<float>(size) * cell_;
-    const float middle = sculpture(place(low) + Vec3::Constant(half));
+    const float middle = sculpture(vertexPosition(low) + Vec3::Constant(half));
     const bool far = std::fabs(middle) > kSafety * std::sqrt(3.0f) * (half + cell_);
     if (!far && size > 2) {
       for (int child = 0; child < 8; ++child) {
@@ -284,7 +286,8 @@ class Polygoniser {
     Index i;
     for (i[2] = low[2]; i[2] < high[2]; ++i[2])
       for (i[1] = low[1]; i[1] < high[1]; ++i[1])
-        for (i[0] = low[0]; i[0] < high[0]; ++i[0]) values_[at(i)] = far ? middle : sculpture(place(i));
+        for (i[0] = low[0]; i[0] < high[0]; ++i[0])
+          values_[at(i)] = far ? middle : sculpture(vertexPosition(i));
   }
 
   int insideMask(const Index& i) const {
@@ -352,7 +355,7 @@ class Polygoniser {
       if (sheets.sheet[e] != sheet) continue;
       const Index a = corner(cell, kEdges[e][0]), b = corner(cell, kEdges[e][1]);
       const float da = values_[at(a)], db = values_[at(b)];
-      p += place(a) + (place(b) - place(a)) * (da / (da - db));
+      p += vertexPosition(a) + (vertexPosition(b) - vertexPosition(a)) * (da / (da - db));
       crossings += 1;
     }
     p /= crossings;

@@ -316,14 +316,14 @@ Vec2 scalpUv(const Vec3& p) {
 
 Groom makeProceduralGroom(const ProceduralGroomOptions& options,
                           const std::function<void(double part)>& growing) {
-  constexpr int kToldEvery = 256;  // strands
+  constexpr int kProgressInterval = 256;  // strands
   check(options);
   Groom groom;
   groom.name = "procedural";
   Scalp scalp(options.seed);
   std::vector<Vec3> points;
   for (int s = 0; s < options.strands; ++s) {
-    if (growing && s % kToldEvery == 0) growing(s / static_cast<double>(options.strands));
+    if (growing && s % kProgressInterval == 0) growing(s / static_cast<double>(options.strands));
     const Root root = scalp.next();
     Random random(options.seed ^ 0x57a9d, static_cast<uint64_t>(s));
     const Character character = characterOf(root, options, random);

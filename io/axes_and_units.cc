@@ -15,7 +15,7 @@ namespace strandcast {
 namespace {
 
 /// Distance of a size from that of a head of hair: the magnitude of the logarithm of their ratio.
-double offHeadOfHair(double meters) {
+double deviationFromHeadSize(double meters) {
   constexpr double kTypicalSize = 0.3;  // m: the geometric mean of 0.1 and 1 m
   return std::abs(std::log(meters / kTypicalSize));
 }
@@ -34,14 +34,14 @@ void checkUnit(float unit_meters) {
                 "say for example 0.01 for centimetres, or 0 to have it guessed");
 }
 
-void turnYUp(std::span<Vec3> points, UpAxis up) {
+void rotateToYUp(std::span<Vec3> points, UpAxis up) {
   for (Vec3& p : points) {
     if (up == UpAxis::kZ) p = Vec3(p.x(), p.z(), -p.y());
     if (up == UpAxis::kX) p = Vec3(-p.y(), p.x(), p.z());
   }
 }
 
-void turnZUp(std::span<Vec3> points) {
+void rotateToZUp(std::span<Vec3> points) {
   for (Vec3& p : points) p = Vec3(p.x(), -p.z(), p.y());
 }
 
@@ -86,7 +86,7 @@ float guessUnit(const Box& bounds) {
   if (!(size > 0)) return 1.0f;
   float best = 1.0f;
   for (const float unit : usualUnits().first(kBySize))
-    if (offHeadOfHair(size * unit) < offHeadOfHair(size * best)) best = unit;
+    if (deviationFromHeadSize(size * unit) < deviationFromHeadSize(size * best)) best = unit;
   return best;
 }
 
@@ -97,17 +97,17 @@ bool isUnlikelySize(float meters) {
 
 std::string likelierUnits(float size, float taken) {
   constexpr double kSmallest = 0.1, kLargest = 1;  // m
-  constexpr size_t kMost = 3;
-  std::vector<std::pair<double, float>> found;  // offHeadOfHair(), unit
+  constexpr size_t kMax = 3;
+  std::vector<std::pair<double, float>> found;  // deviationFromHeadSize(), unit
   for (const float unit : usualUnits()) {
     const double meters = static_cast<double>(size) * unit;
-    const double off = offHeadOfHair(meters);
+    const double off = deviationFromHeadSize(meters);
     if (!isSameUnit(unit, taken) && meters >= kSmallest && meters <= kLargest &&
-        off < offHeadOfHair(static_cast<double>(size) * taken))
+        off < deviationFromHeadSize(static_cast<double>(size) * taken))
       found.emplace_back(off, unit);
   }
   std::sort(found.begin(), found.end());
-  if (found.size() > kMost) found.resize(kMost);
+  if (found.size() > kMax) found.resize(kMax);
   std::string out;
   for (const auto& [off, unit] : found)
     out += fmt::format("{}{:g} m{} would make it {:.2g} m large", out.empty() ? "" : ", ", unit,

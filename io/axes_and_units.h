@@ -26,10 +26,10 @@ const char* nameOf(UpAxis axis);
 
 /// Rotates points so that Y is up, by a quarter turn that keeps handedness: Z up (x, y, z) -> (x, z, -y), X
 /// up (x, y, z) -> (-y, x, z). kAuto and kY leave the points unchanged.
-void turnYUp(std::span<Vec3> points, UpAxis up);
+void rotateToYUp(std::span<Vec3> points, UpAxis up);
 
-/// Inverse of turnYUp() for Z up, exact bit for bit: (x, y, z) -> (x, -z, y).
-void turnZUp(std::span<Vec3> points);
+/// Inverse of rotateToYUp() for Z up, exact bit for bit: (x, y, z) -> (x, -z, y).
+void rotateToZUp(std::span<Vec3> points);
 
 /// Multiplies points by `unit_meters`. Throws Error naming `name` when a scaled point lies farther than
 /// kFarthestPose from the origin, where no hair can be.

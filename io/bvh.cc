@@ -147,12 +147,12 @@ BvhOddLines readBvhFrameStream(BvhText& text, BvhClip& clip, size_t values) {
 }
 
 void takeBvhFrameTime(const BvhStated& stated, BvhClip& clip) {
-  constexpr double kUsual = 1.0 / 30, kLeast = 1e-5, kMost = 100, kDoubtful = 1;  // s
+  constexpr double kUsual = 1.0 / 30, kMin = 1e-5, kMax = 100, kDoubtful = 1;  // s
   std::vector<std::string>& warnings = clip.report.warnings;
   clip.frame_time = kUsual;
   if (stated.word.empty())
     warnings.emplace_back("the motion has no frame time: 1/30 s is taken");
-  else if (!(stated.value && *stated.value >= kLeast && *stated.value <= kMost))
+  else if (!(stated.value && *stated.value >= kMin && *stated.value <= kMax))
     warnings.push_back(fmt::format("the frame time is '{}': 1/30 s is taken", stated.word));
   else
     clip.frame_time = *stated.value;
@@ -226,7 +226,7 @@ class BvhHierarchy {
     if (without_offset_ > 0)
       clip_.report.warnings.push_back(fmt::format("{} joint{} no OFFSET: 0 0 0 stands for it",
                                                   without_offset_, without_offset_ == 1 ? " has" : "s have"));
-    tellOfNamesakes();
+    warnOfDuplicateNames();
   }
 
  private:
@@ -247,14 +247,14 @@ class BvhHierarchy {
     body(index, depth);
   }
 
-  void tellOfNamesakes() {
-    constexpr size_t kMost = 3;  // names listed in the warning
+  void warnOfDuplicateNames() {
+    constexpr size_t kMax = 3;  // names listed in the warning
     std::vector<std::string> shared;
     for (const auto& [name, joints] : named_)
       if (joints > 1) shared.push_back(fmt::format("{} ({})", BvhText::shown(name), joints));
     if (shared.empty()) return;
-    const bool are_more = shared.size() > kMost;
-    if (are_more) shared.resize(kMost);
+    const bool are_more = shared.size() > kMax;
+    if (are_more) shared.resize(kMax);
     clip_.report.warnings.push_back(
         fmt::format("joints have one name, and the first of each in the file is taken: {}{}",
                     fmt::join(shared, ", "), are_more ? ", ..." : ""));
@@ -296,10 +296,10 @@ class BvhHierarchy {
     static constexpr std::string_view kNames[] = {"xposition", "yposition", "zposition",
                                                   "xrotation", "yrotation", "zrotation",
                                                   "xscale",    "yscale",    "zscale"};
-    constexpr size_t kMostChannels = std::size(kNames);
+    constexpr size_t kMaxChannels = std::size(kNames);
     const double count = text_.number();
-    if (count != std::floor(count) || count < 0 || count > static_cast<double>(kMostChannels))
-      text_.fail(fmt::format("the number of channels must be 0 to {}, not {:g}", kMostChannels, count));
+    if (count != std::floor(count) || count < 0 || count > static_cast<double>(kMaxChannels))
+      text_.fail(fmt::format("the number of channels must be 0 to {}, not {:g}", kMaxChannels, count));
     BvhJoint& owner = clip_.joints[static_cast<size_t>(index)];
     owner.first_channel = clip_.channels;
     for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
@@ -310,7 +310,7 @@ class BvhHierarchy {
       const size_t number = static_cast<size_t>(found - std::begin(kNames));
       const auto channel = static_cast<BvhChannel>(std::min(number, static_cast<size_t>(BvhChannel::kScale)));
       const bool is_scale = channel == BvhChannel::kScale;
-      if (is_scale) clip_.report.leaveOut("scale channels");
+      if (is_scale) clip_.report.addOmission("scale channels");
       if (!is_scale &&
           std::find(owner.channels.begin(), owner.channels.end(), channel) != owner.channels.end())
         text_.fail("channel is given twice: " + BvhText::shown(word));

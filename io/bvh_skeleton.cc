@@ -14,7 +14,7 @@ namespace strandcast {
 namespace {
 
 /// Whether joint `above` is `joint` or an ancestor of it.
-bool hangsOn(const BvhClip& clip, int joint, int above) {
+bool isDescendantOf(const BvhClip& clip, int joint, int above) {
   while (joint > above) joint = clip.joints[static_cast<size_t>(joint)].parent;
   return joint == above;
 }
@@ -50,13 +50,13 @@ BvhMatch::BvhMatch(const BvhClip& clip, const Skeleton& skeleton) {
     namesakes.push_back(joint.name.empty() ? -1 : clip.find(joint.name));
     joints += namesakes.back() >= 0 ? 1 : 0;
   }
-  const std::vector<Placement> rest = skeleton.place(skeleton.rest());
+  const std::vector<Placement> rest = skeleton.worldTransforms(skeleton.rest());
   for (size_t j = 0; j < namesakes.size(); ++j) {
     if (namesakes[j] < 0) continue;
     int above = skeleton.joints[j].parent;
     while (above >= 0 && namesakes[static_cast<size_t>(above)] < 0)
       above = skeleton.joints[static_cast<size_t>(above)].parent;
-    if (above < 0 || !hangsOn(clip, namesakes[j], namesakes[static_cast<size_t>(above)])) continue;
+    if (above < 0 || !isDescendantOf(clip, namesakes[j], namesakes[static_cast<size_t>(above)])) continue;
     const Bone bone{rest[j].translation() - rest[static_cast<size_t>(above)].translation(),
                     clip.restPosition(static_cast<size_t>(namesakes[j])) -
                         clip.restPosition(static_cast<size_t>(namesakes[static_cast<size_t>(above)]))};
@@ -163,7 +163,7 @@ BvhOnSkeleton onSkeleton(const BvhClip& bvh, const Skeleton& skeleton, float uni
   out.notes = std::move(unit.notes);
   out.warnings = std::move(unit.warnings);
   const Quat up = match.upright(bvh, static_cast<size_t>(std::max(bvh.find(""), 0)));
-  const std::vector<Placement> rest = skeleton.place(skeleton.rest());
+  const std::vector<Placement> rest = skeleton.worldTransforms(skeleton.rest());
   const size_t joints = skeleton.joints.size();
   std::vector<std::vector<Eigen::Vector4f>> turns(joints), moves(joints);
   std::vector<Quat> moved(joints);  // world rotation relative to rest

@@ -121,10 +121,10 @@ std::string_view BvhText::Row::next() {
 }
 
 std::string BvhText::shortened(std::string_view word) {
-  constexpr size_t kMost = 32;
+  constexpr size_t kMax = 32;
   std::string out;
-  for (const char c : word.substr(0, kMost)) out += c >= ' ' && c <= '~' ? c : '?';
-  return out + (word.size() > kMost ? "..." : "");
+  for (const char c : word.substr(0, kMax)) out += c >= ' ' && c <= '~' ? c : '?';
+  return out + (word.size() > kMax ? "..." : "");
 }
 
 bool BvhText::is(std::string_view word, std::string_view keyword) {

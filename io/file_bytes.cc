@@ -209,10 +209,10 @@ class Descriptor {
 /// Resolves a path below a folder component by component. Each folder is opened relative to the previous one
 /// without following links; links are resolved here. No name is looked up again after its check. (The
 /// kernel's openat2 with RESOLVE_BENEATH does the same, but is missing in older kernels and many containers.)
-class WayBeneath {
+class ConfinedPath {
  public:
-  WayBeneath(const std::filesystem::path& folder, const std::filesystem::path& relative,
-             const std::string& folder_name, const std::string& where)
+  ConfinedPath(const std::filesystem::path& folder, const std::filesystem::path& relative,
+               const std::string& folder_name, const std::string& where)
       : name_(fmt::format("'{}'", relative.c_str())), folder_name_(folder_name), where_(where) {
     if (relative.empty() || relative.is_absolute() || relative.native().find('\0') != std::string::npos ||
         std::find(relative.begin(), relative.end(), "..") != relative.end())
@@ -260,7 +260,7 @@ class WayBeneath {
 
   /// Returns whether `step` is a link. The components of its target then come first in `steps_`.
   bool followLink(const std::string& step) {
-    constexpr int kMostLinks = 40;  // the limit of Linux
+    constexpr int kMaxLinks = 40;  // the limit of Linux
     std::array<char, PATH_MAX> target;
     const ssize_t length = ::readlinkat(last(), step.c_str(), target.data(), target.size());
     if (length < 0) {
@@ -269,7 +269,7 @@ class WayBeneath {
     }
     const std::filesystem::path to(std::string(target.data(), static_cast<size_t>(length)));
     if (to.is_absolute() || static_cast<size_t>(length) == target.size()) leadsOut();
-    if (++links_ > kMostLinks) isNotThere(ELOOP);
+    if (++links_ > kMaxLinks) isNotThere(ELOOP);
     prepend(to);
     return true;
   }
@@ -302,13 +302,13 @@ class WayBeneath {
 
 std::vector<std::byte> readBeneath(const std::filesystem::path& folder,
                                    const std::filesystem::path& relative) {
-  const Descriptor file = WayBeneath(folder, relative, "its folder", relative.string()).open();
+  const Descriptor file = ConfinedPath(folder, relative, "its folder", relative.string()).open();
   return readOpenFile(file.number(), relative);
 }
 
 void checkBeneath(const std::filesystem::path& folder, const std::filesystem::path& relative,
                   const std::string& folder_name, const std::string& where) {
-  (void)WayBeneath(folder, relative, folder_name, where).open();
+  (void)ConfinedPath(folder, relative, folder_name, where).open();
 }
 
 }  // namespace strandcast

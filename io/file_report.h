@@ -16,27 +16,27 @@ struct FileReport {
   std::vector<std::string> warnings;
 
   /// Adds an entry to `left_out` unless it is already there.
-  void leaveOut(const std::string& what);
+  void addOmission(const std::string& what);
   /// "without A, B" when something is left out; empty otherwise.
-  std::string leftOutLine() const;
+  std::string omissionsLine() const;
 };
 
 /// Appends the report on `file` to the messages of a scene: `left_out` to `notes`, the warnings to
 /// `warnings`.
-void tell(const std::filesystem::path& file, const FileReport& report, std::vector<std::string>& notes,
-          std::vector<std::string>& warnings);
+void appendReport(const std::filesystem::path& file, const FileReport& report,
+                  std::vector<std::string>& notes, std::vector<std::string>& warnings);
 
 /// Counts what a glTF reader leaves out and repairs, by kind.
 class GltfReport {
  public:
   /// Adds one occurrence, located at `part`, of a kind that may occur often: "primitives of points or lines".
-  void leaveOut(const std::string& what, const std::string& part);
-  void leaveOut(const std::string& what) { file_.leaveOut(what); }
+  void addOmission(const std::string& what, const std::string& part);
+  void addOmission(const std::string& what) { file_.addOmission(what); }
   /// Adds one occurrence, located at `part`, of a repair or doubt that may occur often.
   void warn(const std::string& what, const std::string& part);
   void warn(const std::string& what) { file_.warnings.push_back(what); }
   /// "without A, B" for everything left out so far; empty otherwise.
-  std::string leftOutLine() const { return report().leftOutLine(); }
+  std::string omissionsLine() const { return report().omissionsLine(); }
   FileReport report() const;
 
  private:
@@ -48,7 +48,7 @@ class GltfReport {
   static void count(std::vector<Kind>& kinds, const std::string& what, const std::string& part);
   static std::string text(const Kind& kind);
 
-  std::vector<Kind> left_out_, warned_;
+  std::vector<Kind> omissions_, warned_;
   FileReport file_;
 };
 

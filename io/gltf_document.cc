@@ -595,12 +595,12 @@ void checkRequiredExtensions(const GltfDocument& document) {
   }
 }
 
-void tellOfAsset(const GltfDocument& document, GltfReport& report) {
+void reportAsset(const GltfDocument& document, GltfReport& report) {
   for (const std::string& doubt : document.doubts()) report.warn(doubt);
   for (const std::string& name : namesIn(document, "extensionsUsed")) {
     const Extension meaning = meaningOf(name);
-    if (meaning == Extension::kIsChanging) report.leaveOut(fmt::format("the extension {}", name));
-    if (meaning == Extension::kIsUnknown) report.leaveOut(fmt::format("the unknown extension {}", name));
+    if (meaning == Extension::kIsChanging) report.addOmission(fmt::format("the extension {}", name));
+    if (meaning == Extension::kIsUnknown) report.addOmission(fmt::format("the unknown extension {}", name));
   }
 }
 

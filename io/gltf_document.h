@@ -115,7 +115,7 @@ void checkRequiredExtensions(const GltfDocument& document);
 /// Reports doubts about the asset. Reports as well each extension that the file uses without requiring it,
 /// and that is unsupported and changes the surface, or is unknown. Mesh compression is not reported: the
 /// uncompressed fallback is read.
-void tellOfAsset(const GltfDocument& document, GltfReport& report);
+void reportAsset(const GltfDocument& document, GltfReport& report);
 
 /// The extension `name` of a node, primitive or other object; null when the object has none of this name.
 const nlohmann::json* extensionOf(const nlohmann::json& object, const char* name);

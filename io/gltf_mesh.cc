@@ -78,18 +78,19 @@ size_t GltfMorphs::targetsOf(uint64_t mesh, const std::string& part) {
     const auto list = primitives[p].find("targets");
     if (list == primitives[p].end() || !list->is_array()) continue;
     known->second = std::max(known->second, list->size());
-    tellOfCounts(primitives[p], *list, fmt::format("meshes[{}].primitives[{}]", mesh, p));
+    reportTargetCounts(primitives[p], *list, fmt::format("meshes[{}].primitives[{}]", mesh, p));
   }
   return known->second;
 }
 
 /// Called once per mesh, whether its targets are used or not.
-void GltfMorphs::tellOfCounts(const json& primitive, const json& targets, const std::string& part) {
+void GltfMorphs::reportTargetCounts(const json& primitive, const json& targets, const std::string& part) {
   const auto attributes = primitive.find("attributes");
   const auto vertices = attributes == primitive.end() ? std::nullopt : statedCount(document_, *attributes);
   for (size_t t = 0; vertices && t < targets.size(); ++t)
     if (statedCount(document_, targets[t]).value_or(*vertices) != *vertices)
-      report_.leaveOut("morph targets of another number of vertices", fmt::format("{}.targets[{}]", part, t));
+      report_.addOmission("morph targets of another number of vertices",
+                          fmt::format("{}.targets[{}]", part, t));
 }
 
 GltfMorph GltfMorphs::of(const json& node, uint64_t mesh, const std::string& part) {
@@ -134,7 +135,7 @@ void GltfPrimitives::add(uint64_t mesh_index, const GltfMorph& morph, const Gltf
 
 TriangleMesh GltfPrimitives::take() {
   if (mesh_.triangles.empty()) {
-    const std::string without = report_.leftOutLine();
+    const std::string without = report_.omissionsLine();
     document_.fail("the scene has no triangles" + (without.empty() ? "" : ", read " + without), "scenes",
                    "export the body as a mesh");
   }
@@ -147,20 +148,20 @@ void GltfPrimitives::addPrimitive(const json& primitive, const GltfMorph& morph,
   if (!primitive.is_object()) document_.fail("the primitive is not an object", part);
   spend(primitives_spent_, 1, document_.limits().primitives, "primitives", part);
   const uint64_t mode = document_.unsignedMember(primitive, "mode", part).value_or(kTriangles);
-  if (mode < kTriangles) return report_.leaveOut("primitives of points or lines", part);
+  if (mode < kTriangles) return report_.addOmission("primitives of points or lines", part);
   if (mode > kTriangleFan)
-    return report_.leaveOut(fmt::format("primitives of the unknown mode {}", mode), part);
+    return report_.addOmission(fmt::format("primitives of the unknown mode {}", mode), part);
   refuseDraco(document_, primitive, part);
   const auto attributes = primitive.find("attributes");
   if (attributes == primitive.end() || !attributes->is_object())
-    return report_.leaveOut("primitives without attributes", part);
+    return report_.addOmission("primitives without attributes", part);
   const auto accessor = document_.unsignedMember(*attributes, "POSITION", part);
-  if (!accessor) return report_.leaveOut("primitives without POSITION", part);
+  if (!accessor) return report_.addOmission("primitives without POSITION", part);
   const uint64_t vertices = document_.accessorCount(*accessor);
-  if (vertices == 0) return report_.leaveOut("primitives whose accessor of positions is empty", part);
+  if (vertices == 0) return report_.addOmission("primitives whose accessor of positions is empty", part);
   const auto indices = document_.unsignedMember(primitive, "indices", part);
   if (indices && document_.accessorCount(*indices, "SCALAR") == 0)
-    return report_.leaveOut("primitives whose accessor of indices is empty", part);
+    return report_.addOmission("primitives whose accessor of indices is empty", part);
 
   const std::vector<Target> targets = targetsOf(primitive, morph, vertices, part);
   std::vector<uint64_t> key{*accessor, targets.size()};
@@ -186,7 +187,7 @@ std::vector<GltfPrimitives::Target> GltfPrimitives::targetsOf(const json& primit
   const auto list = primitive.find("targets");
   if (list == primitive.end()) return out;
   if (!list->is_array()) {
-    report_.leaveOut("morph targets that are not in an array", part);
+    report_.addOmission("morph targets that are not in an array", part);
     return out;
   }
   for (size_t t = 0; t < list->size(); ++t) {
@@ -194,7 +195,7 @@ std::vector<GltfPrimitives::Target> GltfPrimitives::targetsOf(const json& primit
     const std::string where = fmt::format("{}.targets[{}]", part, t);
     const json& target = (*list)[t];
     if (!target.is_object()) {
-      report_.leaveOut("morph targets that are not objects", where);
+      report_.addOmission("morph targets that are not objects", where);
       continue;
     }
     const auto accessor = document_.unsignedMember(target, "POSITION", where);
@@ -234,7 +235,7 @@ void GltfPrimitives::addTriangles(const json& primitive, uint64_t mode, uint32_t
   const uint64_t count = accessor ? document_.accessorCount(*accessor, "SCALAR") : vertices;
   const uint64_t triangles = mode == kTriangles ? count / 3 : (count < 3 ? 0 : count - 2);
   if (const uint64_t rest = mode == kTriangles ? count % 3 : (count < 3 ? count : 0); rest > 0)
-    report_.leaveOut(
+    report_.addOmission(
         fmt::format("{} left over after the last whole triangle", accessor ? "indices" : "vertices"), part);
   spend(triangles_spent_, triangles + 1, document_.limits().triangles, "triangles", part);
   const std::vector<uint32_t> indices = accessor ? document_.indices(*accessor) : std::vector<uint32_t>();
@@ -284,7 +285,7 @@ TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfN
     const GltfMorph morph = morphs.of(node, *mesh, part);
     const bool is_copied = hasInstances(node);
     const std::vector<JointTransform> instances = gltfInstances(document, node, part);
-    if (instances.empty()) report.leaveOut("meshes of no instance", part);
+    if (instances.empty()) report.addOmission("meshes of no instance", part);
     for (const JointTransform& instance : instances) {
       GltfTransform place = GltfTransform::Identity();
       const Placement at = is_copied ? to_world.back() * instance.placement() : to_world.back();
@@ -301,7 +302,7 @@ ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
                       const ReadBeside& read_beside, const GltfLimits& limits) {
   const GltfDocument document(bytes, name, read_beside, limits);
   GltfReport report, of_nodes;
-  tellOfAsset(document, of_nodes);
+  reportAsset(document, of_nodes);
   const std::vector<GltfNode> nodes = sceneNodes(document, of_nodes);
   const bool skinned = std::any_of(nodes.begin(), nodes.end(), [&](const GltfNode& visit) {
     const json& node = document.entry("nodes", visit.index, "a scene or node");

@@ -33,7 +33,8 @@ class GltfMorphs {
 
  private:
   size_t targetsOf(uint64_t mesh, const std::string& part);
-  void tellOfCounts(const nlohmann::json& primitive, const nlohmann::json& targets, const std::string& part);
+  void reportTargetCounts(const nlohmann::json& primitive, const nlohmann::json& targets,
+                          const std::string& part);
 
   const GltfDocument& document_;
   GltfReport& report_;

@@ -117,8 +117,8 @@ std::vector<JointTransform> gltfInstances(const GltfDocument& document, const js
 std::vector<GltfNode> sceneNodes(const GltfDocument& document, GltfReport& report) {
   if (const auto scenes = document.root().find("scenes");
       scenes != document.root().end() && scenes->is_array() && scenes->size() > 1)
-    report.leaveOut(scenes->size() == 2 ? std::string("another scene")
-                                        : fmt::format("{} other scenes", scenes->size() - 1));
+    report.addOmission(scenes->size() == 2 ? std::string("another scene")
+                                           : fmt::format("{} other scenes", scenes->size() - 1));
   std::vector<bool> visited(nodeCount(document));
   std::vector<GltfNode> out, stack;
   for (const uint64_t root : rootNodes(document)) stack.push_back({root, -1});
@@ -133,7 +133,7 @@ std::vector<GltfNode> sceneNodes(const GltfDocument& document, GltfReport& repor
       const auto visible = visibility->find("visible");
       if (visible != visibility->end() && *visible == false) visit.is_visible = false;
     }
-    if (!visit.is_visible && node.contains("mesh")) report.leaveOut("hidden meshes", part);
+    if (!visit.is_visible && node.contains("mesh")) report.addOmission("hidden meshes", part);
     const int place = static_cast<int>(out.size());
     out.push_back(visit);
     for (const uint64_t child : nodeList(document, node, "children", part))

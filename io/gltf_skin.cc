@@ -51,24 +51,24 @@ class ClipReader {
     if (!list->is_array()) document_.fail("this is not an array", "animations");
     for (size_t a = 0; a < list->size(); ++a) {
       const std::string part = fmt::format("animations[{}]", a);
-      is_told_ = false;
+      is_reported_ = false;
       try {
         SkeletonClip clip = readClip(document_.entry("animations", a, "animations"), part);
         if (!clip.isStill())
           into_.clips.push_back(std::move(clip));
-        else if (!is_told_)
-          leaveOut("animations that move nothing of the scene", part);
+        else if (!is_reported_)
+          addOmission("animations that move nothing of the scene", part);
       } catch (const Error& error) {  // the body and other clips remain usable
-        report_.leaveOut(fmt::format("animations that cannot be read, as {}", error.what()), part);
+        report_.addOmission(fmt::format("animations that cannot be read, as {}", error.what()), part);
       }
     }
     return std::move(played_);
   }
 
  private:
-  void leaveOut(const std::string& what, const std::string& part) {
-    report_.leaveOut(what, part);
-    is_told_ = true;
+  void addOmission(const std::string& what, const std::string& part) {
+    report_.addOmission(what, part);
+    is_reported_ = true;
   }
 
   SkeletonClip readClip(const json& animation, const std::string& part) {
@@ -88,7 +88,7 @@ class ClipReader {
         if (weighed.insert(*node).second)
           readWeights(animation, description, *node, part, where, clip);
         else
-          leaveOut("second channels of the weights of one node", where);
+          addOmission("second channels of the weights of one node", where);
         continue;
       }
       const auto channel = readChannel(description, where);
@@ -102,7 +102,7 @@ class ClipReader {
         ClipSampler read = readSampler(animation, sampler, turns, part);
         if (read.times.empty()) {
           samplers.erase(known);
-          leaveOut("channels without keys", where);
+          addOmission("channels without keys", where);
           continue;
         }
         clip.samplers.push_back(std::move(read));
@@ -128,7 +128,7 @@ class ClipReader {
     const auto mesh = movable_.meshes.find(node);
     if (mesh == movable_.meshes.end()) {  // the node is in another scene, hidden or damaged
       if (!document_.entry("nodes", node, where).contains("mesh"))
-        leaveOut("weights of morph targets of nodes without a mesh", where);
+        addOmission("weights of morph targets of nodes without a mesh", where);
       return;
     }
     try {
@@ -137,7 +137,7 @@ class ClipReader {
       addWeights(readWeightSampler(animation, *sampler, mesh->second.weights.size(), clip_part), node,
                  mesh->second, clip);
     } catch (const Error& error) {
-      leaveOut(fmt::format("weights of morph targets that cannot be read, as {}", error.what()), where);
+      addOmission(fmt::format("weights of morph targets that cannot be read, as {}", error.what()), where);
     }
   }
 
@@ -212,7 +212,7 @@ class ClipReader {
     const auto node = document_.unsignedMember(*target, "node", part);
     const auto path = target->find("path");
     if (path == target->end() || !path->is_string()) document_.fail("the channel's target has no path", part);
-    if (*path == "pointer") leaveOut("channels of KHR_animation_pointer", part);
+    if (*path == "pointer") addOmission("channels of KHR_animation_pointer", part);
     if (!node || *path == "pointer" || *path == "weights") return std::nullopt;
     if (document_.entry("nodes", *node, part).contains("matrix"))
       document_.fail("a node with a matrix cannot be animated", part,
@@ -310,7 +310,7 @@ class ClipReader {
   SkinnedMesh& into_;
   GltfPlayed played_;
   uint64_t values_spent_ = 0;
-  bool is_told_ = false;  ///< part of the current animation was reported as left out
+  bool is_reported_ = false;  ///< part of the current animation was reported as left out
 };
 
 }  // namespace
@@ -357,10 +357,10 @@ class SkinReader {
 
   /// Reads the mesh and skeleton, and the clips if `with_clips`.
   SkinnedMesh read(bool with_clips) {
-    tellOfAsset(document_, report_);
+    reportAsset(document_, report_);
     const std::vector<GltfNode> nodes = sceneNodes(document_, report_);
     for (const GltfNode& visit : nodes) addNode(visit);
-    rest_ = out_.skeleton.place(out_.skeleton.rest());
+    rest_ = out_.skeleton.worldTransforms(out_.skeleton.rest());
     if (with_clips) played_ = readGltfClips(document_, movable_, report_, out_);
     for (const auto& [node_and_target, target] : played_) {
       std::vector<bool>& played = movable_.meshes.at(node_and_target.first).played;
@@ -369,10 +369,10 @@ class SkinReader {
     }
     for (const GltfNode& visit : nodes)
       if (visit.is_visible) addMeshOf(visit);
-    tellOfWeights();
+    reportWeights();
     out_.mesh = primitives_.take();
     if (skins_.empty() && played_.empty()) {
-      const std::string without = report_.leftOutLine();
+      const std::string without = report_.omissionsLine();
       document_.fail("no mesh of the scene has a skin or morph targets that are animated" +
                          (without.empty() ? "" : ", read " + without),
                      "skins", "export the body with its armature, or leave it rigid");
@@ -405,12 +405,12 @@ class SkinReader {
     const auto mesh = document_.unsignedMember(node, "mesh", part);
     if (!mesh) return;
     if (const auto skin = document_.unsignedMember(node, "skin", part)) {
-      if (hasInstances(node)) report_.leaveOut("instances of skinned meshes", part);
+      if (hasInstances(node)) report_.addOmission("instances of skinned meshes", part);
       return addMesh(visit, *mesh, skinBindings(*skin, part), skin, part);
     }
     const uint32_t joint = movable_.joints.at(visit.index);
     const std::vector<JointTransform> instances = gltfInstances(document_, node, part);
-    if (instances.empty()) report_.leaveOut("meshes of no instance", part);
+    if (instances.empty()) report_.addOmission("meshes of no instance", part);
     for (const JointTransform& instance : instances)
       addMesh(visit, *mesh,
               nodeBinding(joint, hasInstances(node) ? instance.placement() : Placement::Identity()),
@@ -490,7 +490,7 @@ class SkinReader {
     std::vector<InfluenceSet> sets;
     for (const auto& [number, accessor] : joint_sets) {
       if (!weight_sets.contains(number)) {
-        report_.leaveOut(fmt::format("JOINTS_{0}, as there is no WEIGHTS_{0}", number), part);
+        report_.addOmission(fmt::format("JOINTS_{0}, as there is no WEIGHTS_{0}", number), part);
         continue;
       }
       const uint64_t weights = weight_sets.at(number);
@@ -514,7 +514,7 @@ class SkinReader {
     for (const InfluenceSet& set : sets)
       for (size_t k = 0; k < 4; ++k) {
         float weight = set.weights[4 * v + k];
-        if (weight < 0) ++below_zero_;
+        if (weight < 0) ++negative_weights_;
         weight = std::max(weight, 0.0f);
         if (weight > 0 && set.joints[v][k] >= joints)
           document_.fail(fmt::format("vertex {} hangs on joint {} of {}", v, set.joints[v][k], joints), part);
@@ -555,11 +555,12 @@ class SkinReader {
     all.resize(4);
   }
 
-  void tellOfWeights() {
+  void reportWeights() {
     if (reduced_ > 0)
-      report_.leaveOut(fmt::format("the weights beyond the four largest of {} vertices, of {:.3f} at most",
-                                   reduced_, largest_dropped_));
-    if (below_zero_ > 0) report_.warn(fmt::format("{} weights below 0 are taken as 0", below_zero_));
+      report_.addOmission(fmt::format("the weights beyond the four largest of {} vertices, of {:.3f} at most",
+                                      reduced_, largest_dropped_));
+    if (negative_weights_ > 0)
+      report_.warn(fmt::format("{} weights below 0 are taken as 0", negative_weights_));
     if (weightless_ > 0)
       report_.warn(
           fmt::format("{} vertices have no weight: they go with the first joint of their skin", weightless_));
@@ -575,8 +576,8 @@ class SkinReader {
   std::vector<Placement> rest_;         ///< world transforms of the joints at rest, in the file's units
   std::map<uint64_t, uint32_t> skins_;  ///< skin -> index of its first binding
   std::map<uint64_t, size_t> joints_of_skin_;
-  uint64_t reduced_ = 0, below_zero_ = 0, weightless_ = 0;  ///< vertices, weights, vertices
-  double largest_dropped_ = 0;                              ///< share of the sum of a vertex's weights
+  uint64_t reduced_ = 0, negative_weights_ = 0, weightless_ = 0;  ///< vertices, weights, vertices
+  double largest_dropped_ = 0;                                    ///< share of the sum of a vertex's weights
 };
 
 }  // namespace

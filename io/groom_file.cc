@@ -48,15 +48,15 @@ std::string defaultUnitWarning(const RawGroom& raw) {
 void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up, float unit_meters) {
   const std::string extension = lowerExtension(file);
   StrandSet turned = strands;
-  turnYUp(turned.positions, up);
+  rotateToYUp(turned.positions, up);
   if (extension == ".tfx") return writeFileBytes(file, encodeTfx(turned, file.string()));
   if (extension == ".usda") return writeFileBytes(file, encodeUsda(turned, unit_meters, file.string()));
-  turnZUp(turned.positions);
+  rotateToZUp(turned.positions);
   if (extension == ".hair") return writeFileBytes(file, encodeHair(turned, file.string()));
   throw Error("grooms cannot be written in this format", file.string(), "use .tfx, .hair or .usda");
 }
 
-std::vector<std::string> leftOutOf(const std::filesystem::path& file, const StrandSet& strands) {
+std::vector<std::string> omissionsOf(const std::filesystem::path& file, const StrandSet& strands) {
   const std::string extension = lowerExtension(file);
   if (extension == ".tfx")
     return strands.radii.empty() ? std::vector<std::string>() : std::vector<std::string>{"radii"};

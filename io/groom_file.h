@@ -78,7 +78,7 @@ void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpA
 
 /// Attributes of `strands` that writeGroom() cannot store in this file: "pins", "UVs", "radii". A pin of the
 /// second vertex alone does not count: it stands for the clamped root frame, which all strands have.
-std::vector<std::string> leftOutOf(const std::filesystem::path& file, const StrandSet& strands);
+std::vector<std::string> omissionsOf(const std::filesystem::path& file, const StrandSet& strands);
 
 /// Metres per unit that are tried for files of unknown unit: 1, 0.1, 0.01, 0.001, the 0.0025 of HAIR and
 /// TressFX files, inches and feet.

@@ -110,16 +110,16 @@ FileReport reportOn(const ByteReader& reader, const HairHeader& header) {
   FileReport out;
   const auto has = [&](uint32_t bit) { return (header.arrays & bit) != 0; };
   const auto differs = [&](uint64_t at, float from) { return reader.at<float>(at) != from; };
-  if (has(kTransparency)) out.leaveOut("transparency");
-  if (has(kColours)) out.leaveOut("colours");
+  if (has(kTransparency)) out.addOmission("transparency");
+  if (has(kColours)) out.addOmission("colours");
   if (const auto thickness = reader.at<float>(kDefaultThicknessAt); !isThickness(thickness))
-    out.leaveOut(fmt::format("the default thickness, which is {:g}", thickness));
+    out.addOmission(fmt::format("the default thickness, which is {:g}", thickness));
   else if (!has(kThickness) && thickness != kDefaultThickness)
-    out.leaveOut("default thickness");
-  if (!has(kTransparency) && differs(24, kDefaultTransparency)) out.leaveOut("default transparency");
+    out.addOmission("default thickness");
+  if (!has(kTransparency) && differs(24, kDefaultTransparency)) out.addOmission("default transparency");
   if (!has(kColours) &&
       (differs(28, kDefaultColour) || differs(32, kDefaultColour) || differs(36, kDefaultColour)))
-    out.leaveOut("default colour");
+    out.addOmission("default colour");
   return out;
 }
 
@@ -136,7 +136,7 @@ RawGroom readHair(std::span<const std::byte> bytes, const std::string& name) {
   readPoints(reader, header, groom.strands);
   groom.report = reportOn(reader, header);
   readThickness(reader, header, groom.strands, groom.report);
-  leaveOutNotFinite(groom.strands, groom.report, reader.where(header.points_at));
+  removeNonFinite(groom.strands, groom.report, reader.where(header.points_at));
   return groom;
 }
 

@@ -55,7 +55,7 @@ ReadMesh loadMesh(const std::filesystem::path& file, const GroomReadOptions& opt
                           : readObjMesh(bytes, file.string(), skip_groups);
   if (is_gltf) warnOfGltfUnits(options, read.report);
   TriangleMesh& mesh = read.mesh;
-  turnYUp(mesh.positions, options.up);
+  rotateToYUp(mesh.positions, options.up);
   float unit = options.unit_meters;
   if (unit == 0 && is_gltf) unit = 1;
   if (unit == 0) {

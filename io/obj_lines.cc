@@ -140,8 +140,8 @@ void ObjLines::checkIndex(uint32_t vertex, size_t vertices, size_t line) const {
          line);
 }
 
-void leaveOutCount(FileReport& report, size_t count, const std::string& what, const std::string& of) {
-  if (count > 0) report.leaveOut(fmt::format("{} {}{}{}", count, what, count == 1 ? "" : "s", of));
+void addOmissionCount(FileReport& report, size_t count, const std::string& what, const std::string& of) {
+  if (count > 0) report.addOmission(fmt::format("{} {}{}{}", count, what, count == 1 ? "" : "s", of));
 }
 
 }  // namespace strandcast

@@ -67,6 +67,6 @@ class ObjLines {
 
 /// Reports `count` of `what`, followed by `of`, as left out when `count` is above 0: "without 3 faces of two
 /// corners". The plural of `what` takes an s.
-void leaveOutCount(FileReport& report, size_t count, const std::string& what, const std::string& of);
+void addOmissionCount(FileReport& report, size_t count, const std::string& what, const std::string& of);
 
 }  // namespace strandcast

@@ -95,8 +95,8 @@ struct ObjMeshReader {
         first_unclear = face.line;
       }
     }
-    leaveOutCount(read_mesh.report, not_finite, "face", " with a position that is not finite");
-    leaveOutCount(read_mesh.report, flat, "face", " of fewer than three different corners");
+    addOmissionCount(read_mesh.report, not_finite, "face", " with a position that is not finite");
+    addOmissionCount(read_mesh.report, flat, "face", " of fewer than three different corners");
     if (unclear > 0)
       read_mesh.report.warnings.push_back(
           fmt::format("{} face{}, the first in line {}: the triangles are a guess", unclear,
@@ -106,12 +106,12 @@ struct ObjMeshReader {
 
   void reportRest() {
     FileReport& report = read_mesh.report;
-    leaveOutCount(report, skipped, "face",
-                  fmt::format(" of groups whose names begin with {}", fmt::join(skip_groups, " or ")));
-    leaveOutCount(report, polylines, "polyline", " (l)");
-    leaveOutCount(report, points, "statement", " of points (p)");
-    leaveOutCount(report, free_forms, "free-form shape", " (curv, curv2, surf)");
-    leaveOutCount(report, lines.unknown(), "statement", " that the format does not have");
+    addOmissionCount(report, skipped, "face",
+                     fmt::format(" of groups whose names begin with {}", fmt::join(skip_groups, " or ")));
+    addOmissionCount(report, polylines, "polyline", " (l)");
+    addOmissionCount(report, points, "statement", " of points (p)");
+    addOmissionCount(report, free_forms, "free-form shape", " (curv, curv2, surf)");
+    addOmissionCount(report, lines.unknown(), "statement", " that the format does not have");
   }
 
   /// Removes vertices that no triangle uses (those of skipped groups): they would falsify the bounding box.

@@ -142,8 +142,8 @@ class EdgeGraph {
     edges_.resize(kept);
     run_.resize(kept);
     if (points > 0)
-      report.leaveOut(fmt::format("{} edge{} from a vertex to itself", points, points == 1 ? "" : "s"));
-    if (again > 0) report.leaveOut(fmt::format("{} edge{} written again", again, again == 1 ? "" : "s"));
+      report.addOmission(fmt::format("{} edge{} from a vertex to itself", points, points == 1 ? "" : "s"));
+    if (again > 0) report.addOmission(fmt::format("{} edge{} written again", again, again == 1 ? "" : "s"));
   }
 
   /// Vertices from `from` along `edge` up to an end or a fork, or around a ring back to `from`.
@@ -301,10 +301,10 @@ ObjPolylines readPolylines(ObjLines& lines) {
 }
 
 /// Uses faces of two corners as edges of strands where the file has no polylines.
-void takeEdgeFaces(ObjPolylines& found, FileReport& report) {
+void collectEdgeFaces(ObjPolylines& found, FileReport& report) {
   if (found.edge_faces.size() == 0) return;
   if (found.lines.size() > 0) {
-    leaveOutCount(report, found.edge_faces.size(), "face", " of two corners");
+    addOmissionCount(report, found.edge_faces.size(), "face", " of two corners");
     return;
   }
   report.warnings.push_back(
@@ -341,7 +341,7 @@ RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& nam
   groom.format = "obj";
   groom.native_up = UpAxis::kY;
   ObjPolylines found = readPolylines(lines);
-  takeEdgeFaces(found, groom.report);
+  collectEdgeFaces(found, groom.report);
   if (found.lines.size() == 0) refuseWithoutPolylines(lines, found);
   if (found.lines.corners.size() > std::numeric_limits<uint32_t>::max())
     lines.fail("the file has more than 4294967295 strand vertices", found.line_of.back(), "split the file");
@@ -353,13 +353,13 @@ RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& nam
     lines.fail("every polyline (l) goes from a vertex to itself", found.line_of.front(),
                "export the hair as polylines");
   groom.strands = strandsOf(found, joined);
-  leaveOutNotFinite(groom.strands, groom.report, lines.where(found.line_of.front()));
-  leaveOutCount(groom.report, found.empty, "polyline", " without vertices");
-  leaveOutCount(groom.report, found.faces, "face", " (f)");
-  leaveOutCount(groom.report, found.points, "statement", " of points (p)");
-  leaveOutCount(groom.report, found.free_forms, "free-form shape", " (curv, curv2, surf)");
-  leaveOutCount(groom.report, lines.unknown(), "statement", " that the format does not have");
-  if (found.has_colours) groom.report.leaveOut("vertex colours");
+  removeNonFinite(groom.strands, groom.report, lines.where(found.line_of.front()));
+  addOmissionCount(groom.report, found.empty, "polyline", " without vertices");
+  addOmissionCount(groom.report, found.faces, "face", " (f)");
+  addOmissionCount(groom.report, found.points, "statement", " of points (p)");
+  addOmissionCount(groom.report, found.free_forms, "free-form shape", " (curv, curv2, surf)");
+  addOmissionCount(groom.report, lines.unknown(), "statement", " that the format does not have");
+  if (found.has_colours) groom.report.addOmission("vertex colours");
   return groom;
 }
 

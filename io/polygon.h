@@ -26,9 +26,9 @@ class PolygonCutter {
   using Triangle = std::array<uint32_t, 3>;
 
   /// `positions`: in any unit, finite; must outlive the cutter. All corners are indices into them.
-  /// `most_tests`: limit on tests of a corner against an ear, see isSpent(). The default takes some seconds.
-  explicit PolygonCutter(std::span<const Vec3> positions, uint64_t most_tests = 1'000'000'000)
-      : positions_(positions), most_tests_(most_tests) {}
+  /// `max_tests`: limit on tests of a corner against an ear, see isSpent(). The default takes some seconds.
+  explicit PolygonCutter(std::span<const Vec3> positions, uint64_t max_tests = 1'000'000'000)
+      : positions_(positions), max_tests_(max_tests) {}
 
   /// Appends the triangles of one polygon, two fewer than it has corners; triangles that use a vertex twice
   /// are left out. Returns false when the triangles do not cover the polygon once, because it has no area or
@@ -37,7 +37,7 @@ class PolygonCutter {
 
   /// Whether the polygons so far needed more tests than allowed. The last polygon may then lack triangles,
   /// and no further one should be cut.
-  bool isSpent() const { return tests_ > most_tests_; }
+  bool isSpent() const { return tests_ > max_tests_; }
 
  private:
   struct Corner {
@@ -61,7 +61,7 @@ class PolygonCutter {
   double turnAt(uint32_t corner) const;
 
   std::span<const Vec3> positions_;
-  uint64_t most_tests_;
+  uint64_t max_tests_;
   std::vector<Corner> ring_;
   std::vector<uint32_t> inward_;  ///< reflex corners of the ring, and ones that were before the last cut
   bool is_flat_ = false;

@@ -35,7 +35,7 @@ std::vector<JointTransform> Skeleton::rest() const {
   return locals;
 }
 
-std::vector<Placement> Skeleton::place(std::span<const JointTransform> locals) const {
+std::vector<Placement> Skeleton::worldTransforms(std::span<const JointTransform> locals) const {
   std::vector<Placement> world;
   world.reserve(joints.size());
   for (size_t j = 0; j < joints.size(); ++j) {

@@ -39,7 +39,7 @@ struct Skeleton {
   /// Rest transform of each joint, relative to its parent.
   std::vector<JointTransform> rest() const;
   /// World transform of each joint. `locals`: one per joint.
-  std::vector<Placement> place(std::span<const JointTransform> locals) const;
+  std::vector<Placement> worldTransforms(std::span<const JointTransform> locals) const;
 };
 
 /// Interpolation between keys (glTF 2.0 specification, appendix C).

@@ -86,11 +86,11 @@ SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOp
   SkinnedMesh skin = readGltfSkin(bytes, file.string(), besideFile(file));
   warnOfGltfUnits(options, skin.report);
   std::array<Vec3, 3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-  turnYUp(axes, options.up);
+  rotateToYUp(axes, options.up);
   const double unit = options.unit_meters > 0 ? static_cast<double>(options.unit_meters) : 1;
   for (int c = 0; c < 3; ++c)
     skin.skeleton.root.linear().col(c) = unit * axes[static_cast<size_t>(c)].cast<double>();
-  skin.mesh.positions = skin.blended(skin.skeleton.place(skin.skeleton.rest()));
+  skin.mesh.positions = skin.blended(skin.skeleton.worldTransforms(skin.skeleton.rest()));
   scaleToMeters(skin.mesh.positions, 1, file.string());  // throws Error on positions out of range
   warnOfMeshSize(skin.mesh, static_cast<float>(unit), skin.report);
   computeNormals(skin.mesh);

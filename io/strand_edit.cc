@@ -36,7 +36,7 @@ void appendStrand(StrandSet& to, const StrandSet& from, size_t s) {
   to.offsets.push_back(static_cast<uint32_t>(to.positions.size()));
 }
 
-void leaveOutNotFinite(StrandSet& strands, FileReport& report, const std::string& where) {
+void removeNonFinite(StrandSet& strands, FileReport& report, const std::string& where) {
   const auto isFinite = [&](size_t s) {
     const std::span<const Vec3> points = std::as_const(strands).strand(s);
     return std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
@@ -51,7 +51,7 @@ void leaveOutNotFinite(StrandSet& strands, FileReport& report, const std::string
   for (size_t s = 0; s < strands.strands(); ++s)
     if (isFinite(s)) appendStrand(kept, strands, s);
   strands = std::move(kept);
-  report.leaveOut(
+  report.addOmission(
       fmt::format("{} strand{} with a position that is not finite", dropped, dropped == 1 ? "" : "s"));
 }
 

@@ -20,7 +20,7 @@ float medianLength(const StrandSet& strands);
 
 /// Removes strands with a position that is not finite, and reports their number. Throws Error, which names
 /// `where`, when none is left.
-void leaveOutNotFinite(StrandSet& strands, FileReport& report, const std::string& where);
+void removeNonFinite(StrandSet& strands, FileReport& report, const std::string& where);
 
 /// Strands shorter than this share of the median length are dropped.
 constexpr float kShortestOfMedian = 0.01f;

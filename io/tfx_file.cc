@@ -61,12 +61,13 @@ TfxHeader readTfxHeader(const ByteReader& reader) {
     uint32_t others = 0;
     for (uint64_t field : {148, 156, 160, 164}) others |= offsetField(reader, field, kHeaderBytes3);
     header.strand_uvs = offsetField(reader, 152, kHeaderBytes3);
-    if (others != 0) header.report.leaveOut("vertex UVs, thickness or colours");
+    if (others != 0) header.report.addOmission("vertex UVs, thickness or colours");
   } else {
     header.positions = offsetField(reader, 12, kHeaderBytes4);
     header.strand_uvs = offsetField(reader, 16, kHeaderBytes4);
     for (const auto& [field, what] : {std::pair{20, "vertex UVs"}, {24, "thickness"}, {28, "colours"}})
-      if (offsetField(reader, static_cast<uint64_t>(field), kHeaderBytes4) != 0) header.report.leaveOut(what);
+      if (offsetField(reader, static_cast<uint64_t>(field), kHeaderBytes4) != 0)
+        header.report.addOmission(what);
   }
   return header;
 }
@@ -105,7 +106,7 @@ void readPositions4(const ByteReader& reader, const TfxHeader& header, StrandSet
     mended += is_mass ? 0 : 1;
     others += is_mass && vertex[3] != 0 && vertex[3] != 1 ? 1 : 0;
   }
-  if (others > 0) report.leaveOut("inverse masses (w) other than 0 and 1");
+  if (others > 0) report.addOmission("inverse masses (w) other than 0 and 1");
   if (mended > 0)
     report.warnings.push_back(fmt::format(
         "{} of the inverse masses (w) are negative or not finite: their vertices are taken as free", mended));
@@ -165,7 +166,7 @@ RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name) {
     readPositions4(reader, header, strands, groom.report);
   }
   readStrandUvs(reader, header, strands, groom.report);
-  leaveOutNotFinite(strands, groom.report, reader.where(header.positions));
+  removeNonFinite(strands, groom.report, reader.where(header.positions));
   return groom;
 }
 

@@ -69,9 +69,9 @@ struct Coverage {
 
   void report(std::string_view what, std::string_view mend, FileReport& report) const {
     if (unusable.count() > 0)
-      report.leaveOut(fmt::format("{} ({})", what, unusable.places()));
+      report.addOmission(fmt::format("{} ({})", what, unusable.places()));
     else if (prims > 0 && without.count() > 0)
-      report.leaveOut(fmt::format("{} (none for {})", what, without.places()));
+      report.addOmission(fmt::format("{} (none for {})", what, without.places()));
     if (!isWhole()) return;
     if (guessed.count() > 0)
       report.warnings.push_back(
@@ -139,11 +139,11 @@ class HairReader {
       const UsdaCurves curves(prim);
       if (curves.curves() > 0) addCurves(index, curves);
     } catch (const UsdaFault& fault) {
-      keepFault(prim, fault);
+      recordFault(prim, fault);
       unreadable_.add([&] { return fmt::format("{}: {}", stage_.pathOf(index), fault.what); });
     }
   }
-  void keepFault(const UsdaPrim& prim, const UsdaFault& fault) {
+  void recordFault(const UsdaPrim& prim, const UsdaFault& fault) {
     if (!first_fault_)
       first_fault_ = UsdaFault{fmt::format("BasisCurves {:?}: {}", prim.name, fault.what), fault.line};
   }
@@ -156,10 +156,10 @@ class HairReader {
     const UsdaUvs uvs = usdaUvsOf(stage_, index, curves);
     for (size_t c = 0; c < curves.curves(); ++c) {
       if (!curves.isWhole(c)) {
-        leaveOutShort(index, curves, c);
+        recordShortCurve(index, curves, c);
       } else if (!addCurve(prim, curves, c, widths)) {
-        keepFault(prim, {fmt::format("curve {} has a point or width that is not finite", c),
-                         prim.find("points")->line});
+        recordFault(prim, {fmt::format("curve {} has a point or width that is not finite", c),
+                           prim.find("points")->line});
         unbounded_.add([&] { return fmt::format("{}, curve {}", stage_.pathOf(index), c); });
       } else {
         out.uvs.push_back(rootUv(index, curves, c, uvs));
@@ -177,13 +177,13 @@ class HairReader {
         other_names_.add([&] { return printableName(primvar); });
   }
 
-  void leaveOutShort(size_t index, const UsdaCurves& curves, size_t c) {
+  void recordShortCurve(size_t index, const UsdaCurves& curves, size_t c) {
     const UsdaPrim& prim = stage_.prims[index];
     const size_t count = curves.pointsOf(c);
     const std::string points = count == 1 ? "1 point" : fmt::format("{} points", count);
-    keepFault(prim, {fmt::format("curve {} has {}, which are no {}", c, points,
-                                 curves.isLinear() ? "line" : "whole cubic segments"),
-                     prim.line});
+    recordFault(prim, {fmt::format("curve {} has {}, which are no {}", c, points,
+                                   curves.isLinear() ? "line" : "whole cubic segments"),
+                       prim.line});
     unfit_.add([&] { return fmt::format("{}, curve {} of {}", stage_.pathOf(index), c, points); });
   }
 
@@ -245,29 +245,30 @@ class HairReader {
 
   void report() {
     FileReport& out = groom_.report = std::move(stage_.report);
-    const auto leaveOut = [&](const Tally& tally, std::string_view one, std::string_view many) {
+    const auto addOmission = [&](const Tally& tally, std::string_view one, std::string_view many) {
       if (tally.count() == 0) return;
       const std::string counted =
           tally.count() == 1 ? fmt::format("1 {}", one) : fmt::format("{} {}", tally.count(), many);
-      out.leaveOut(fmt::format("{} ({})", counted, tally.places()));
+      out.addOmission(fmt::format("{} ({})", counted, tally.places()));
     };
-    leaveOut(inactive_, "inactive prim", "inactive prims");
-    leaveOut(abstract_, "prim of a class", "prims of classes");
-    leaveOut(undefined_, "prim of an over without a def", "prims of overs without a def");
-    leaveOut(invisible_, "invisible prim", "invisible prims");
-    leaveOut(guides_, "prim of purpose guide", "prims of purpose guide");
-    leaveOut(proxies_, "prim of purpose proxy", "prims of purpose proxy");
-    leaveOut(prototypes_, "prototype of a PointInstancer", "prototypes of PointInstancers");
-    leaveOut(no_basis_, "prim of curves that are no BasisCurves", "prims of curves that are no BasisCurves");
-    leaveOut(unreadable_, "prim that cannot be read", "prims that cannot be read");
-    leaveOut(unfit_, "curve with too few or too many points", "curves with too few or too many points");
-    leaveOut(unbounded_, "curve out of range", "curves out of range");
+    addOmission(inactive_, "inactive prim", "inactive prims");
+    addOmission(abstract_, "prim of a class", "prims of classes");
+    addOmission(undefined_, "prim of an over without a def", "prims of overs without a def");
+    addOmission(invisible_, "invisible prim", "invisible prims");
+    addOmission(guides_, "prim of purpose guide", "prims of purpose guide");
+    addOmission(proxies_, "prim of purpose proxy", "prims of purpose proxy");
+    addOmission(prototypes_, "prototype of a PointInstancer", "prototypes of PointInstancers");
+    addOmission(no_basis_, "prim of curves that are no BasisCurves",
+                "prims of curves that are no BasisCurves");
+    addOmission(unreadable_, "prim that cannot be read", "prims that cannot be read");
+    addOmission(unfit_, "curve with too few or too many points", "curves with too few or too many points");
+    addOmission(unbounded_, "curve out of range", "curves out of range");
     widths_.report("widths", "the mean of the others", out);
     uvs_.report("UVs", "(0, 0)", out);
-    if (along_.count() > 0 && uvs_.isWhole()) out.leaveOut("UVs along the strands but those of the roots");
-    if (has_colors_) out.leaveOut("colours");
-    leaveOut(other_names_, "other primvar", "other primvars");
-    if (is_sampled_) out.leaveOut("time samples");
+    if (along_.count() > 0 && uvs_.isWhole()) out.addOmission("UVs along the strands but those of the roots");
+    if (has_colors_) out.addOmission("colours");
+    addOmission(other_names_, "other primvar", "other primvars");
+    if (is_sampled_) out.addOmission("time samples");
   }
 
   [[noreturn]] void failEmpty() const {
@@ -277,7 +278,7 @@ class HairReader {
     const bool hidden = inactive_.count() + abstract_.count() + undefined_.count() + invisible_.count() +
                             guides_.count() + proxies_.count() + prototypes_.count() >
                         0;
-    const std::string without = groom_.report.leftOutLine();
+    const std::string without = groom_.report.omissionsLine();
     throw Error(fmt::format("the file has no BasisCurves with points in them{}{}", hidden ? " that show" : "",
                             without.empty() ? "" : fmt::format(" ({})", without)),
                 name_,

@@ -128,7 +128,7 @@ namespace {
 constexpr std::string_view kSamples = ".timeSamples", kIndicesSuffix = ":indices", kPrimvars = "primvars:";
 constexpr size_t kDeepest = 1000;        // depth of nested prims
 constexpr size_t kDeepestVariants = 64;  // depth of nested variant sets: each level is scanned once more
-constexpr size_t kMostNamed = 3;         // names listed in a report
+constexpr size_t kMaxListedNames = 3;    // names listed in a report
 constexpr std::array<std::string_view, 8> kScalars = {"float", "double", "half",   "int",
                                                       "uint",  "int64",  "uint64", "uchar"};
 
@@ -168,7 +168,7 @@ struct PrimSpecs {
   size_t next_order = 0;
 
   /// Adds opinions of weaker specs.
-  void addWeaker(const PrimSpecs& weaker) {
+  void mergeWeaker(const PrimSpecs& weaker) {
     if (!defined && !abstract) {
       defined = weaker.defined;
       abstract = weaker.abstract;
@@ -187,12 +187,12 @@ class StageReader {
       : text_(text), wanted_(wanted), wanted_properties_(properties) {}
 
   UsdaStage read() {
-    if (text_.takeMark('(')) readMetadata([&](std::string_view key, bool) { return readOfLayer(key); });
+    if (text_.acceptMark('(')) readMetadata([&](std::string_view key, bool) { return readOfLayer(key); });
     while (text_.kind() != UsdaText::Kind::kEnd) {
       if (text_.isMark('}')) {
         if (open_.empty()) text_.fail("there is a '}' too many");
         close();
-      } else if (!takeSeparator() && !readVariant() && !readPrim() && !deferVariants() && !takeOrder()) {
+      } else if (!acceptSeparator() && !readVariant() && !readPrim() && !deferVariants() && !readReorder()) {
         if (open_.empty()) text_.fail("there should be a prim (def, over or class)");
         readProperty(stage_.prims[open_.back().prim]);
       }
@@ -205,27 +205,27 @@ class StageReader {
   }
 
  private:
-  bool takeSeparator() { return text_.takeMark(';'); }
+  bool acceptSeparator() { return text_.acceptMark(';'); }
 
   /// Reads metadata after its opening bracket. `read(key, removes)` reads the value of a key, or returns
   /// false to have it skipped. `removes`: the key follows `delete` or `reorder`, which add nothing.
   template <class Read>
   void readMetadata(const Read& read) {
     bool removes = false;
-    while (!text_.takeMark(')')) {
+    while (!text_.acceptMark(')')) {
       if (text_.kind() == UsdaText::Kind::kEnd) text_.fail("the file ends within metadata");
-      if (text_.takeMark(';') || text_.takeMark(',')) continue;
+      if (text_.acceptMark(';') || text_.acceptMark(',')) continue;
       const bool is_word = text_.kind() == UsdaText::Kind::kWord;
       const std::string key(is_word ? text_.text() : std::string_view());
       text_.skipValue();  // the key, or a comment
-      const bool is_key = is_word && text_.takeMark('=');
+      const bool is_key = is_word && text_.acceptMark('=');
       if (is_key && !read(key, removes)) text_.skipValue();
       removes = !is_key && (key == "delete" || key == "reorder");
     }
   }
   bool readOfLayer(std::string_view key) {
     if (key == "metersPerUnit") {
-      const std::vector<double> unit = text_.takeNumbers();
+      const std::vector<double> unit = text_.readNumbers();
       if (unit.empty()) return true;
       if (unit.size() != 1 || !(unit[0] >= 1e-9 && unit[0] <= 1e9))
         text_.fail("metersPerUnit is out of range");
@@ -233,7 +233,7 @@ class StageReader {
       return true;
     }
     if (key == "upAxis") {
-      const std::vector<std::string> up = text_.takeStrings();
+      const std::vector<std::string> up = text_.readStrings();
       if (up.empty()) return true;
       if (up.size() != 1 || (up[0] != "X" && up[0] != "Y" && up[0] != "Z"))
         text_.fail("upAxis is none of X, Y, Z");
@@ -241,7 +241,7 @@ class StageReader {
       return true;
     }
     if (key != "subLayers") return false;
-    addTo(sublayers_, text_.takeTargets());
+    addTo(sublayers_, text_.readTargets());
     return true;
   }
 
@@ -258,8 +258,8 @@ class StageReader {
       prim.type = text_.text();
       text_.next();
     }
-    prim.name = text_.takeString();
-    if (text_.takeMark('('))
+    prim.name = text_.readString();
+    if (text_.acceptMark('('))
       readMetadata([&](std::string_view key, bool removes) { return readOfPrim(specs, key, removes); });
     text_.expectMark('{');
     if (open_.size() == kDeepest)
@@ -278,7 +278,7 @@ class StageReader {
       return false;
     }
     if (key == "variantSets") {
-      for (const std::string& name : text_.takeStrings())
+      for (const std::string& name : text_.readStrings())
         if (!removes) specs.set_order.try_emplace(name, specs.next_order++);
       return true;
     }
@@ -287,20 +287,20 @@ class StageReader {
       return true;
     }
     if (key != "references" && key != "payload" && key != "inherits" && key != "specializes") return false;
-    const std::vector<std::string> targets = text_.takeTargets();
+    const std::vector<std::string> targets = text_.readTargets();
     if (!removes) addTo(references_, targets);
     return true;
   }
   /// Reads for example { string style = "long" }.
   void readSelections(PrimSpecs& specs) {
     text_.expectMark('{');
-    while (!text_.takeMark('}')) {
+    while (!text_.acceptMark('}')) {
       if (text_.kind() == UsdaText::Kind::kEnd) text_.fail("the file ends within the selected variants");
-      if (text_.takeMark(';') || text_.takeMark(',')) continue;
+      if (text_.acceptMark(';') || text_.acceptMark(',')) continue;
       std::string set(text_.text());
       text_.next();
-      if (!text_.takeMark('=')) continue;  // it was the type
-      specs.selections.try_emplace(set, text_.takeString());
+      if (!text_.acceptMark('=')) continue;  // it was the type
+      specs.selections.try_emplace(set, text_.readString());
     }
   }
   /// Adds a prim, or merges it into a prim of the same path: a variant may add opinions to an existing prim.
@@ -314,7 +314,7 @@ class StageReader {
     }
     UsdaPrim& known = stage_.prims[same];  // stronger: deferVariants() ensures the order
     if (known.type.empty()) known.type = prim.type;
-    specs_[same].addWeaker(specs);
+    specs_[same].mergeWeaker(specs);
     return same;
   }
 
@@ -338,8 +338,8 @@ class StageReader {
   }
   /// Skips the block of a variant set; close() opens it later.
   bool deferVariants() {
-    if (open_.empty() || !text_.takeWord("variantSet")) return false;
-    std::string name(text_.takeString());
+    if (open_.empty() || !text_.acceptWord("variantSet")) return false;
+    std::string name(text_.readString());
     text_.expectMark('=');
     if (!text_.isMark('{')) text_.fail("there should be a '{'");
     UsdaText block = text_;
@@ -375,8 +375,8 @@ class StageReader {
   bool readVariant() {
     if (open_.empty() || open_.back().kind != OpenBlock::Kind::kVariantSet) return false;
     const size_t prim = open_.back().prim;
-    const bool selected = text_.takeString() == open_.back().selection;
-    if (text_.takeMark('('))
+    const bool selected = text_.readString() == open_.back().selection;
+    if (text_.acceptMark('('))
       readMetadata([&](std::string_view key, bool removes) {
         return selected && readOfPrim(specs_[prim], key, removes);
       });
@@ -385,14 +385,14 @@ class StageReader {
       text_.next();
       open(OpenBlock::Kind::kVariant, prim, true);
     } else {
-      stage_.report.leaveOut("variants that are not selected");
+      stage_.report.addOmission("variants that are not selected");
       text_.skipValue();
     }
     return true;
   }
   /// Skips "reorder nameChildren = [...]" and "reorder rel targets = [...]".
-  bool takeOrder() {
-    if (!text_.takeWord("reorder")) return false;
+  bool readReorder() {
+    if (!text_.acceptWord("reorder")) return false;
     while (text_.kind() == UsdaText::Kind::kWord) text_.next();
     text_.expectMark('=');
     text_.skipValue();
@@ -406,7 +406,7 @@ class StageReader {
     if (text_.kind() != UsdaText::Kind::kWord) text_.fail("there should be a property");
     const std::string type(text_.text());  // or `rel`
     text_.next();
-    if (text_.takeMark('[')) text_.expectMark(']');
+    if (text_.acceptMark('[')) text_.expectMark(']');
     if (text_.kind() != UsdaText::Kind::kWord) text_.fail("there should be the name of a property");
     std::string name(text_.text());
     const size_t line = text_.line();
@@ -420,7 +420,7 @@ class StageReader {
       property->type = type;
       property->line = line;
     }
-    if (text_.takeMark('=')) {
+    if (text_.acceptMark('=')) {
       if (may_be_wanted) noteOther(prim, name);
       const size_t block = open_.back().number;
       if (property == nullptr || (property->source != 0 && property->source != block)) {
@@ -433,7 +433,7 @@ class StageReader {
           readDefault(*property, type, line);
       }
     }
-    if (text_.takeMark('('))
+    if (text_.acceptMark('('))
       readMetadata(
           [&](std::string_view key, bool) { return property != nullptr && readOfProperty(*property, key); });
   }
@@ -451,12 +451,12 @@ class StageReader {
   }
   bool readOfProperty(UsdaProperty& property, std::string_view key) {
     if (key == "interpolation") {
-      const std::vector<std::string> how = text_.takeStrings();
+      const std::vector<std::string> how = text_.readStrings();
       if (how.size() == 1 && property.interpolation.empty()) property.interpolation = how[0];
       return true;
     }
     if (key != "elementSize" && key != "unauthoredValuesIndex") return false;
-    const std::vector<double> number = text_.takeNumbers();
+    const std::vector<double> number = text_.readNumbers();
     std::optional<double>& known = key == "elementSize" ? property.element_size : property.unauthored_index;
     if (number.size() == 1 && !known) known = number[0];
     return true;
@@ -471,10 +471,10 @@ class StageReader {
     const bool has_default = property.has_value && !property.sampled;
     property.has_samples = true;
     text_.expectMark('{');
-    while (!text_.takeMark('}')) {
+    while (!text_.acceptMark('}')) {
       if (text_.kind() == UsdaText::Kind::kEnd) text_.fail("the file ends within time samples");
-      if (text_.takeMark(',') || text_.takeMark(';')) continue;
-      const std::vector<double> time = text_.takeNumbers();
+      if (text_.acceptMark(',') || text_.acceptMark(';')) continue;
+      const std::vector<double> time = text_.readNumbers();
       text_.expectMark(':');
       const bool later = time.size() != 1 || (property.has_value && property.time <= time[0]);
       if (has_default || later || text_.isWord("None")) {
@@ -496,11 +496,11 @@ class StageReader {
     UsdaText ahead = text_;
     while (ahead.isMark('[') || ahead.isMark('(')) ahead.next();
     if (ahead.kind() == UsdaText::Kind::kString) {
-      property.strings = text_.takeStrings();
+      property.strings = text_.readStrings();
       return;
     }
     UsdaText::TupleSizes sizes;
-    property.numbers = text_.takeNumbers(&sizes);
+    property.numbers = text_.readNumbers(&sizes);
     const size_t numbers = usdaNumbersOf(type);
     const size_t side_by_side = type.starts_with("matrix") ? sizeOfRow(numbers) : numbers;
     if (property.numbers.empty() || (numbers == 1 && !holds(kScalars, type))) return;
@@ -540,8 +540,8 @@ class StageReader {
     if (!prim.is_there || !prim.fault.empty()) return;
     if (prim.type == "Scope") {  // Scope is not a UsdGeomXformable
       if (prim.find("xformOpOrder") != nullptr)
-        stage_.report.leaveOut(fmt::format("the transforms of Scope {}, which OpenUSD does not apply either",
-                                           stage_.pathOf(index)));
+        stage_.report.addOmission(fmt::format(
+            "the transforms of Scope {}, which OpenUSD does not apply either", stage_.pathOf(index)));
       return;
     }
     try {
@@ -576,16 +576,16 @@ class StageReader {
   }
   static void addTo(std::vector<std::string>& all, const std::vector<std::string>& more) {
     for (const std::string& one : more)
-      if (all.size() < kMostNamed && !holds(all, one))
+      if (all.size() < kMaxListedNames && !holds(all, one))
         all.push_back(one);
-      else if (all.size() == kMostNamed && !holds(all, one))
+      else if (all.size() == kMaxListedNames && !holds(all, one))
         all.emplace_back("...");
   }
   void report() {
     if (!sublayers_.empty())
-      stage_.report.leaveOut(fmt::format("sublayers ({})", fmt::join(sublayers_, ", ")));
+      stage_.report.addOmission(fmt::format("sublayers ({})", fmt::join(sublayers_, ", ")));
     if (!references_.empty())
-      stage_.report.leaveOut(fmt::format("references ({})", fmt::join(references_, ", ")));
+      stage_.report.addOmission(fmt::format("references ({})", fmt::join(references_, ", ")));
     if (missing_ > 0)
       stage_.report.warnings.push_back(
           fmt::format("{} of xformOpOrder without a value: no transform is applied for {} ({})",
@@ -618,9 +618,9 @@ std::string UsdaPrim::token(std::string_view property, std::string_view otherwis
 }
 
 std::string UsdaStage::pathOf(size_t prim) const {
-  constexpr size_t kMost = 200;
+  constexpr size_t kMax = 200;
   std::string path;
-  for (; prim != UsdaPrim::kNoParent && path.size() < kMost; prim = prims[prim].parent)
+  for (; prim != UsdaPrim::kNoParent && path.size() < kMax; prim = prims[prim].parent)
     path.insert(0, fmt::format("/{}", printableName(prims[prim].name)));
   if (prim == UsdaPrim::kNoParent) return path;
   size_t top = prim;

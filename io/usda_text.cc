@@ -80,7 +80,7 @@ void UsdaText::skipBlank() {
 
 /// `@name@`, or `@@@name@@@`. In the latter, the name may contain up to two adjacent `@`, also at its end,
 /// and `\@@@`.
-void UsdaText::takeAsset() {
+void UsdaText::scanAsset() {
   const std::string_view three = "@@@", rest = all_.substr(at_);
   size_t width = 1, last = rest.find('@', 1);
   if (rest.starts_with(three)) {
@@ -97,7 +97,7 @@ void UsdaText::takeAsset() {
   advance(last + width);
 }
 
-void UsdaText::takePath() {
+void UsdaText::scanPath() {
   const std::string_view rest = all_.substr(at_);
   const size_t last = rest.find('>');
   if (last == std::string_view::npos) fail("a path does not end");
@@ -106,7 +106,7 @@ void UsdaText::takePath() {
   advance(last + 1);
 }
 
-void UsdaText::takeQuoted(char quote) {
+void UsdaText::scanQuoted(char quote) {
   const std::string_view three = quote == '"' ? R"(""")" : "'''", rest = all_.substr(at_);
   const bool is_long = rest.starts_with(three);
   const size_t width = is_long ? 3 : 1;
@@ -131,9 +131,9 @@ void UsdaText::next() {
   kind_ = Kind::kEnd;
   if (at_ >= all_.size()) return;
   const char c = all_[at_];
-  if (c == '"' || c == '\'') return takeQuoted(c);
-  if (c == '@') return takeAsset();
-  if (c == '<') return takePath();
+  if (c == '"' || c == '\'') return scanQuoted(c);
+  if (c == '@') return scanAsset();
+  if (c == '<') return scanPath();
   const bool number = isDigit(c) || c == '-' || c == '+' || c == '.', word = isWordPart(c) && c != ':';
   size_t end = at_;
   while (end < all_.size() &&
@@ -146,22 +146,22 @@ void UsdaText::next() {
   at_ = end;
 }
 
-bool UsdaText::takeMark(char mark) {
+bool UsdaText::acceptMark(char mark) {
   const bool is = isMark(mark);
   if (is) next();
   return is;
 }
-bool UsdaText::takeWord(std::string_view word) {
+bool UsdaText::acceptWord(std::string_view word) {
   const bool is = isWord(word);
   if (is) next();
   return is;
 }
 void UsdaText::expectMark(char mark) {
-  if (!takeMark(mark))
+  if (!acceptMark(mark))
     fail(kind_ == Kind::kEnd ? fmt::format("the file ends where a '{}' should be", mark)
                              : fmt::format("there should be a '{}'", mark));
 }
-std::string_view UsdaText::takeString() {
+std::string_view UsdaText::readString() {
   if (kind_ != Kind::kString) fail("there should be a name in quotes");
   const std::string_view text = text_;
   next();
@@ -199,11 +199,11 @@ void UsdaText::TupleSizes::add(size_t size) {
   most = std::max(most, size);
 }
 
-std::vector<double> UsdaText::takeNumbers(TupleSizes* sizes) {
+std::vector<double> UsdaText::readNumbers(TupleSizes* sizes) {
   std::vector<double> numbers;
   TupleSizes found;
   size_t in_tuple = 0;
-  if (takeWord("None")) return numbers;
+  if (acceptWord("None")) return numbers;
   forEach(
       [&](char closing) {
         const bool may_be = kind_ == Kind::kNumber || isWord("inf") || isWord("nan");
@@ -223,9 +223,9 @@ std::vector<double> UsdaText::takeNumbers(TupleSizes* sizes) {
   return numbers;
 }
 
-std::vector<std::string> UsdaText::takeStrings() {
+std::vector<std::string> UsdaText::readStrings() {
   std::vector<std::string> strings;
-  if (takeWord("None")) return strings;
+  if (acceptWord("None")) return strings;
   forEach([&] {
     if (kind_ != Kind::kString) fail("there should be a string in quotes");
     strings.emplace_back(text_);
@@ -233,7 +233,7 @@ std::vector<std::string> UsdaText::takeStrings() {
   return strings;
 }
 
-std::vector<std::string> UsdaText::takeTargets() {
+std::vector<std::string> UsdaText::readTargets() {
   std::vector<std::string> targets;
   bool after_asset = false;  // a path that follows is within that asset
   forEach([&] {
@@ -246,9 +246,9 @@ std::vector<std::string> UsdaText::takeTargets() {
 }
 
 std::string printableName(std::string_view name) {
-  constexpr size_t kMost = 80;
-  const std::string quoted = fmt::format("{:?}", name.substr(0, kMost));
-  return fmt::format("{}{}", quoted.substr(1, quoted.size() - 2), name.size() > kMost ? "..." : "");
+  constexpr size_t kMax = 80;
+  const std::string quoted = fmt::format("{:?}", name.substr(0, kMax));
+  return fmt::format("{}{}", quoted.substr(1, quoted.size() - 2), name.size() > kMax ? "..." : "");
 }
 
 }  // namespace strandcast

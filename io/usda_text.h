@@ -38,23 +38,23 @@ class UsdaText {
   bool isMark(char mark) const { return kind_ == Kind::kMark && text_[0] == mark; }
   bool isWord(std::string_view word) const { return kind_ == Kind::kWord && text_ == word; }
   /// Advances past the given mark or word if it is the current token; returns whether it was.
-  bool takeMark(char mark);
-  bool takeWord(std::string_view word);
+  bool acceptMark(char mark);
+  bool acceptWord(std::string_view word);
   /// Advances past the mark. Throws Error on another token.
   void expectMark(char mark);
   /// Advances past a string and returns its text. Throws Error on another token.
-  std::string_view takeString();
+  std::string_view readString();
   /// Skips a whole value of any type: a word, or everything up to the matching closing bracket.
   void skipValue();
   /// Returns the numbers of a value in their order, ignoring brackets; none for `None`. They may be infinite
   /// or NaN (`inf`, `nan`, or out of the range of a double). Stores the sizes of tuples in `sizes` if given.
   /// Throws Error on any other token.
-  std::vector<double> takeNumbers(TupleSizes* sizes = nullptr);
+  std::vector<double> readNumbers(TupleSizes* sizes = nullptr);
   /// Returns the strings of a value, likewise.
-  std::vector<std::string> takeStrings();
+  std::vector<std::string> readStrings();
   /// Returns the targets of a value for a report, likewise: assets as `@name@`, and paths not preceded by an
   /// asset as `<path>`.
-  std::vector<std::string> takeTargets();
+  std::vector<std::string> readTargets();
 
   /// Throws Error located at the line of the token.
   [[noreturn]] void fail(const std::string& what,
@@ -70,9 +70,9 @@ class UsdaText {
   void skipBlank();
   /// Advances by `count` characters and counts the line ends among them.
   void advance(size_t count);
-  void takeQuoted(char quote);
-  void takeAsset();
-  void takePath();
+  void scanQuoted(char quote);
+  void scanAsset();
+  void scanPath();
   /// Calls take(mark) for each word inside the brackets of a value, or once for a value without brackets, and
   /// close(mark) at each closing bracket. `mark` is the bracket that closes the innermost pair, or 0.
   template <class Take, class Close>

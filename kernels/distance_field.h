@@ -81,9 +81,9 @@ struct FieldCorners {
 };
 
 // Value of `clear` for a query without contact: the distance inside, beyond the band, is not shortened then.
-FN real pushedByNothing() { return lit(-1e9); }
+FN real noClearance() { return lit(-1e9); }
 // Signed distance (m) and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true
-// one, so that contact does not overshoot (except with pushedByNothing). Outside, where it is only a lower bound, it is
+// one, so that contact does not overshoot (except with noClearance). Outside, where it is only a lower bound, it is
 // at least `clear`, so that nothing is pushed.
 FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, IN(real) band, IN(real) quantum, IN(real) clear,
                       OUT(real3) normal) {
@@ -97,7 +97,7 @@ FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, 
   mask in_grid = dot(place.outside, place.outside) < lit(1e-30);
   real3 way = normalizeOrZero(select(in_grid, gradient, beyond));
   normal = select(dot(way, way) > lit(0.5), way, makeReal3(lit(0), lit(1), lit(0)));
-  far = select(in_grid, select(clear > pushedByNothing(), far, value), outside);
+  far = select(in_grid, select(clear > noClearance(), far, value), outside);
   far = select(far > lit(0), max(far, clear), far);
   return select(stored && in_grid, value * quantum, far);
 }

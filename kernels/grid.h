@@ -79,7 +79,7 @@ FN real draggedTo(IN(real) velocity, IN(real) other, IN(real) exchange) {
   return madd(exchange, other, velocity) * inverse(lit(1) + exchange);
 }
 
-// draggedTo() in hair with less drag along itself (dragNotFelt), which couples the components. `momentum`: sum of
+// draggedTo() in hair with less drag along itself (slipDragLoss), which couples the components. `momentum`: sum of
 // exchange x velocity of all that the air exchanges momentum with. `slip`, `slip_across`: the part of the exchange that
 // is absent, the mean over hair directions t of less t t' times the hair's exchange; components xx, yy, zz and yz, xz,
 // xy. Solves (1 + exchange - slip) u = velocity + momentum by cofactors.
@@ -105,7 +105,7 @@ FN real3 directionOfPiece(IN(real3) chord) {
 // 1952: about half). To be subtracted from a drag of rate x relative velocity; `less` = 1 - (along / across). It is
 // evaluated once per step. The drag of the substeps also damps what it adds, so that at any rate its effect stays below
 // the speed that it was evaluated from.
-FN real3 dragNotFelt(IN(real3) relative, IN(real3) tangent, IN(real) rate, IN(real) less) {
+FN real3 slipDragLoss(IN(real3) relative, IN(real3) tangent, IN(real) rate, IN(real) less) {
   return tangent * (dot(relative, tangent) * rate * less);
 }
 

@@ -77,7 +77,7 @@ void BodyPass::setBody(const BodyDescription& body) {
     rest_.push_back({{p.x(), p.y(), p.z()}, {n.x(), n.y(), n.z()}, weighted ? body.head_weights[i] : 1.0f});
   }
   triangles_ = mesh.triangles;
-  findBounds(rest_);
+  computeBounds(rest_);
   vertices_ = gl::Buffer(std::span<const Vertex>(rest_));
   indices_ = gl::Buffer(std::span<const std::array<uint32_t, 3>>(mesh.triangles));
   index_count_ = static_cast<GLsizei>(3 * mesh.triangles.size());
@@ -92,7 +92,7 @@ void BodyPass::setObstacles(std::span<const HairObstacle> obstacles) {
   bind();
   if (!was_carried || !binding_.empty()) return;
   vertices_.write(std::span<const Vertex>(rest_));
-  findBounds(rest_);
+  computeBounds(rest_);
 }
 
 void BodyPass::bind() {
@@ -101,15 +101,15 @@ void BodyPass::bind() {
   binding_ = BodyBinding(positions, parts_);
 }
 
-void BodyPass::findBounds(std::span<const Vertex> vertices) {
+void BodyPass::computeBounds(std::span<const Vertex> vertices) {
   bounds_ = Box();
   for (const auto& triangle : triangles_)
     for (uint32_t index : triangle) bounds_.extend(Eigen::Vector3f(vertices[index].position));
 }
 
-void BodyPass::place(std::span<const PlacedCollider> colliders) {
+void BodyPass::setColliderPoses(std::span<const PlacedCollider> colliders) {
   if (binding_.empty()) return;
-  binding_.place(colliders);
+  binding_.setColliderPoses(colliders);
   std::vector<Vertex> moved = rest_;
   for (size_t v = 0; v < moved.size(); ++v) {
     if (!binding_.holds(v)) continue;
@@ -122,7 +122,7 @@ void BodyPass::place(std::span<const PlacedCollider> colliders) {
     moved[v].head_weight = 0;
   }
   vertices_.write(std::span<const Vertex>(moved));
-  findBounds(moved);
+  computeBounds(moved);
 }
 
 void BodyPass::drawMesh(const gl::Program& program, const Pose& head) const {

@@ -24,7 +24,7 @@ class BodyPass {
   /// Obstacles that carry the body (BodyBinding): such a body is drawn at their poses, not at the head's.
   void setObstacles(std::span<const HairObstacle> obstacles);
   /// Sets the colliders' poses for the following pictures.
-  void place(std::span<const PlacedCollider> colliders);
+  void setColliderPoses(std::span<const PlacedCollider> colliders);
   /// Recompiles the shaders for these lights; initially none.
   void setLights(const LightCounts& lights);
   /// Bounds of the body with its head at rest, or at its colliders' poses, m, world; empty without a body.
@@ -43,7 +43,7 @@ class BodyPass {
 
   void drawMesh(const gl::Program& program, const Pose& head) const;
   void bind();
-  void findBounds(std::span<const Vertex> vertices);
+  void computeBounds(std::span<const Vertex> vertices);
 
   gl::Program background_, ground_, body_, depth_;
   gl::Buffer vertices_, indices_;

@@ -18,7 +18,7 @@ namespace {
 namespace f64 = kernels::f64;
 using Vec = Eigen::Vector3d;
 
-constexpr size_t kLeastVertices = 5;  // with fewer, a cubic interpolates all vertices
+constexpr size_t kMinVertices = 5;  // with fewer, a cubic interpolates all vertices
 
 f64::real3 lanes(const Vec& v) { return {v.x(), v.y(), v.z()}; }
 Vec vector(const f64::real3& v) { return {v.x, v.y, v.z}; }
@@ -77,10 +77,10 @@ float turnsOf(const CurlExample& curl) {
 }  // namespace
 
 CurlExample curlOf(std::span<const Vec3> strand, const std::string& where) {
-  if (strand.size() < kLeastVertices)
+  if (strand.size() < kMinVertices)
     throw Error("a strand is too short to take a curl from",
                 fmt::format("{} has {} vertices", where, strand.size()),
-                fmt::format("name one of {} or more", kLeastVertices));
+                fmt::format("name one of {} or more", kMinVertices));
   for (const Vec3& p : strand)
     if (!p.allFinite()) throw Error("a strand's vertex is not finite", where, "name another strand");
   float length = 0;

@@ -2,8 +2,8 @@
 
 namespace strandcast {
 
-std::array<float, kMostOpacityLayers + 1> layerEnds(const OpacityLayers& layers, float depth) {
-  std::array<double, kMostOpacityLayers + 1> ends{};
+std::array<float, kMaxOpacityLayers + 1> layerEnds(const OpacityLayers& layers, float depth) {
+  std::array<double, kMaxOpacityLayers + 1> ends{};
   double size = 1, next = 1, sum = 0;
   for (int k = 0; k < layers.layers; ++k) {
     ends[k] = sum += size;
@@ -24,8 +24,8 @@ std::array<float, kMostOpacityLayers + 1> layerEnds(const OpacityLayers& layers,
       }
     }
   }
-  std::array<float, kMostOpacityLayers + 1> metres{};
-  for (int k = 0; k <= kMostOpacityLayers; ++k)
+  std::array<float, kMaxOpacityLayers + 1> metres{};
+  for (int k = 0; k <= kMaxOpacityLayers; ++k)
     metres[k] = k < layers.layers ? static_cast<float>(depth * ends[k] / sum) : metres[k - 1] + 1;
   return metres;
 }

@@ -22,10 +22,10 @@ struct OpacityLayers {
   bool operator==(const OpacityLayers&) const = default;
 };
 
-constexpr int kMostOpacityLayers = 15;
+constexpr int kMaxOpacityLayers = 15;
 
 /// The end of each layer, metres behind the front: `layers.layers` increasing numbers, the last one `depth`.
 /// Unused entries continue in steps of 1 m.
-std::array<float, kMostOpacityLayers + 1> layerEnds(const OpacityLayers& layers, float depth);
+std::array<float, kMaxOpacityLayers + 1> layerEnds(const OpacityLayers& layers, float depth);
 
 }  // namespace strandcast

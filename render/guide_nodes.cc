@@ -81,7 +81,7 @@ size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head,
                         ? head.rotation.normalized()
                         : Quat::Identity();
   rotation.topLeftCorner<3, 3>() = turn.toRotationMatrix();
-  roots_.place(colliders);
+  roots_.setColliderPoses(colliders);
   for (size_t g = 0; g < guides_.size(); ++g) {
     Guide& guide = guides_[g];
     guide.carried = guide.usable != 0 && roots_.carries(g);

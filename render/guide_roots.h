@@ -14,7 +14,7 @@ class GuideRoots {
  public:
   void setGroom(const StrandSet& guides);
   void setObstacles(std::span<const HairObstacle> obstacles);
-  void place(std::span<const PlacedCollider> colliders) { binding_.place(colliders); }
+  void setColliderPoses(std::span<const PlacedCollider> colliders) { binding_.setColliderPoses(colliders); }
 
   /// In the groom's rest frame, perpendicular to the rest tangent.
   const Vec3& restNormal(size_t guide) const { return normals_[guide]; }

@@ -10,7 +10,7 @@ namespace strandcast {
 namespace {
 
 constexpr size_t kBodyGroupSize = 64;  // must equal local_size_x of hair_bodies.comp
-constexpr float kMostStretch = 1e6f;   // largest stretch of a valid bend; a larger one counts as damaged
+constexpr float kMaxStretch = 1e6f;    // largest stretch of a valid bend; a larger one counts as damaged
 
 }  // namespace
 
@@ -56,14 +56,14 @@ void HairBodies::place(const Pose& head, std::span<const PlacedCollider> collide
     placed.push_back(moved(obstacle.shape, pose, pose, 1, first_words_[i]));
     if (bend_words_[i] == 0) continue;
     const MovingBend bend = bendOf(obstacle.shape, obstacle.bend, obstacle.bend);
-    if (!(bend.stretch < kMostStretch)) continue;
+    if (!(bend.stretch < kMaxStretch)) continue;
     applyBend(placed.back(), bend, bend_words_[i]);
     word_buffer_.write(std::span<const MovingBend>(&bend, 1), bend_words_[i] * sizeof(uint32_t));
   }
   if (!placed.empty()) body_buffer_.write(std::span<const MovingPrimitive>(placed));
 }
 
-void HairBodies::find(size_t hairs, int segments) {
+void HairBodies::computeClosing(size_t hairs, int segments) {
   const size_t bytes = hairs * static_cast<size_t>(segments + 2) * sizeof(float);
   GLint64 largest = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);

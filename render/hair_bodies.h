@@ -44,7 +44,7 @@ class HairBodies {
   void place(const Pose& head, std::span<const PlacedCollider> colliders = {});
   /// Computes the closing of the first `hairs` hairs of the bound list. Precondition: the guides' nodes and
   /// GrowthBlock are bound. Throws Error where the device does not allow a buffer of that size.
-  void find(size_t hairs, int segments);
+  void computeClosing(size_t hairs, int segments);
   void bind() const;
   size_t bytes() const;  ///< device memory
 

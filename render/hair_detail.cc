@@ -7,7 +7,7 @@ namespace strandcast {
 
 float detailKey(const Hair& hair) { return hair.width * hair.importance / std::max(1 - hair.dither, 1e-7f); }
 
-float HeldSize::of(float size, float band) {
+float HysteresisSize::of(float size, float band) {
   const float widen = 1 + band;
   if (!(size <= held_ && size * widen * widen >= held_)) held_ = size * widen;
   return held_;
@@ -63,10 +63,10 @@ double lengthKept(const StrandSet& strands, int pieces) {
   return arcs > 0 ? chords / arcs : 1;
 }
 
-int strideFor(float segment_pixels, float longest, int segments, int least_segments) {
+int strideFor(float segment_pixels, float longest, int segments, int min_segments) {
   int stride = 1;
   while (2 * static_cast<float>(stride) * segment_pixels <= longest &&
-         segments >= 2 * stride * std::max(least_segments, 1))
+         segments >= 2 * stride * std::max(min_segments, 1))
     stride *= 2;
   return stride;
 }

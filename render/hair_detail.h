@@ -19,7 +19,7 @@ struct HairDetail {
 /// A size with hysteresis. The held size is `band` (0 = none) larger than the true one and changes only where
 /// the true one exceeds it or falls below it by (1 + band)^2. It is never less than the true one, so a level
 /// of detail chosen by it is never too coarse.
-class HeldSize {
+class HysteresisSize {
  public:
   /// Returns the held size for the present true size.
   float of(float size, float band);
@@ -40,7 +40,7 @@ HairDetail detailOfSize(std::span<const Hair> hairs, float hair_pixels, float fi
 /// length.
 double lengthKept(const StrandSet& strands, int pieces);
 /// The largest node stride, a power of 2, that keeps segments of `segment_pixels` pixels at their nearest
-/// point within `longest` pixels, and leaves at least `least_segments` of the `segments`.
-int strideFor(float segment_pixels, float longest, int segments, int least_segments);
+/// point within `longest` pixels, and leaves at least `min_segments` of the `segments`.
+int strideFor(float segment_pixels, float longest, int segments, int min_segments);
 
 }  // namespace strandcast

@@ -11,7 +11,7 @@
 namespace strandcast {
 namespace {
 
-constexpr float kLeastImportance = 0.02f;
+constexpr float kMinImportance = 0.02f;
 
 class RandomStream {
  public:
@@ -182,7 +182,7 @@ std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
     const double turns = dither_start + golden * static_cast<double>(i);
     hair.dither = std::min(static_cast<float>(turns - std::floor(turns)), 1 - 0x1p-24f);
     const Vec2 place = scalp.of(hair.guides, hair.weights);
-    hair.importance = growth.importance ? std::max(growth.importance->at(place), kLeastImportance) : 1;
+    hair.importance = growth.importance ? std::max(growth.importance->at(place), kMinImportance) : 1;
     if (growth.thickness) hair.width *= growth.thickness->at(place);
     const bool grows = !growth.density || kept < growth.density->at(place);
     if (grows && hair.width > 0) hairs.push_back(hair);

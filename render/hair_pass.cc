@@ -94,7 +94,7 @@ void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
   block_.bodies = static_cast<uint32_t>(keep_out_ ? bodies_.obstacles() : 0);
   block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
   bindHair(nodes);
-  if (block_.bodies > 0) bodies_.find(detail.hairs, nodes.segments());
+  if (block_.bodies > 0) bodies_.computeClosing(detail.hairs, nodes.segments());
   if (path_ == GrowthPath::kCompute)
     vertices_.grow(detail.hairs, nodes.segments(), detail.node_stride, block_.bodies > 0);
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr size_t kGrowthGroupSize = 256;  // must equal local_size_x of hair_growth.comp
 constexpr size_t kVertexBytes = 2 * sizeof(float[4]);
 
-size_t mostVertices() {
+size_t maxVertices() {
   GLint64 bytes = 0;
   GLint groups = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
@@ -28,17 +28,17 @@ HairVertices::HairVertices()
       among_bodies_("hair growth among bodies",
                     {{GL_COMPUTE_SHADER, shaders::kHairGrowthComp, "#define BODIES\n"}}) {}
 
-void HairVertices::makeRoom(size_t count, int most_nodes) {
-  if (most_nodes == most_nodes_ && count <= room_) return;
+void HairVertices::makeRoom(size_t count, int max_nodes) {
+  if (max_nodes == max_nodes_ && count <= room_) return;
   // Grows by half, so that approaching the hair does not reallocate at every picture.
-  count = std::max(count, most_nodes == most_nodes_ ? room_ + room_ / 2 : 0);
+  count = std::max(count, max_nodes == max_nodes_ ? room_ + room_ / 2 : 0);
   chunks_.clear();
   room_ = count;
-  most_nodes_ = most_nodes;
-  const size_t most = std::max<size_t>(mostVertices() / static_cast<size_t>(most_nodes), 1);
+  max_nodes_ = max_nodes;
+  const size_t most = std::max<size_t>(maxVertices() / static_cast<size_t>(max_nodes), 1);
   for (size_t first = 0; first < count; first += most) {
     const size_t hairs = std::min(most, count - first);
-    chunks_.push_back({first, hairs, gl::Buffer(hairs * most_nodes * kVertexBytes, nullptr, 0)});
+    chunks_.push_back({first, hairs, gl::Buffer(hairs * max_nodes * kVertexBytes, nullptr, 0)});
   }
 }
 

@@ -32,12 +32,12 @@ class HairVertices {
   size_t bytes() const;  ///< device memory
 
  private:
-  void makeRoom(size_t count, int most_nodes);
+  void makeRoom(size_t count, int max_nodes);
 
   gl::Program free_, among_bodies_;
   std::vector<Chunk> chunks_;
   size_t room_ = 0, hairs_ = 0;
-  int most_nodes_ = 0, nodes_per_hair_ = 0;
+  int max_nodes_ = 0, nodes_per_hair_ = 0;
 };
 
 }  // namespace strandcast

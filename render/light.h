@@ -8,7 +8,7 @@ namespace strandcast {
 
 enum class LightKind { kDirectional, kPoint, kSpot };
 
-inline constexpr size_t kMostLights = 4;  ///< per picture
+inline constexpr size_t kMaxLights = 4;  ///< per picture
 
 /// A light of a picture. A directional light has the irradiance `intensity` perpendicular to its direction,
 /// everywhere. A point or spot light of radiant intensity `intensity` has the irradiance `intensity` / d^2 at

@@ -38,7 +38,7 @@ HairGrowth clipped(const HairGrowth& growth) {
 OpacityLayers clipped(const OpacityLayers& layers) {
   const OpacityLayers fallback;
   OpacityLayers o = layers;
-  o.layers = (std::clamp(o.layers, 3, kMostOpacityLayers) + 1) / 4 * 4 - 1;
+  o.layers = (std::clamp(o.layers, 3, kMaxOpacityLayers) + 1) / 4 * 4 - 1;
   o.depth = inRange(o.depth, 1e-4f, 1e3f, fallback.depth);
   o.map_size = std::clamp(o.map_size, 16, 8192);
   o.filter = std::clamp(o.filter, 0, 4);
@@ -103,7 +103,7 @@ RenderSettings clipped(const RenderSettings& settings) {
     if (pass <= kLastPass && std::find(passes.begin(), passes.end(), pass) == passes.end())
       passes.push_back(pass);
   s.passes = std::move(passes);
-  if (s.lights.size() > kMostLights) s.lights.resize(kMostLights);
+  if (s.lights.size() > kMaxLights) s.lights.resize(kMaxLights);
   for (Light& light : s.lights) light = clipped(light);
   return s;
 }

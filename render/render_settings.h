@@ -73,7 +73,7 @@ struct RenderSettings {
   Vec3 hair_color{0.30f, 0.17f, 0.08f};  ///< linear; of light scattered once around in the hair
   Vec3 body_color{0.62f, 0.42f, 0.33f};
   Vec3 background{0.30f, 0.33f, 0.38f};
-  /// At most kMostLights. Without lights there is only ambient light.
+  /// At most kMaxLights. Without lights there is only ambient light.
   std::vector<Light> lights = std::vector<Light>(1);
   bool shadows = true;    ///< of all lights that cast shadows
   OpacityLayers opacity;  ///< shadow of the hair

@@ -49,7 +49,7 @@ Box moved(const Box& box, const Pose& pose) {
 }
 
 /// The fewest segments that keep the hair's length, and so its covered area, and eight per turn of a curl.
-int leastSegments(const StrandSet& guides, const RenderSettings& settings, const std::vector<Hair>& hairs) {
+int minSegments(const StrandSet& guides, const RenderSettings& settings, const std::vector<Hair>& hairs) {
   float turns = settings.growth.curl_example ? settings.growth.curl_example->turns : 0;
   for (const Hair& hair : hairs)
     if (hair.curl_radius > 0) turns = std::max(turns, hair.curl_turns);
@@ -182,7 +182,7 @@ struct Renderer::Impl {
     hair->setHairs({}, settings.growth);
     nodes->setGroom(rest_guides);
     hair->setHairs(growHairs(rest_guides, settings.growth), settings.growth);
-    least_segments = leastSegments(rest_guides, settings, hair->hairs());
+    min_segments = minSegments(rest_guides, settings, hair->hairs());
     groups = HairGroups(rest_guides, hair->hairs(), settings.growth);
     selected = {};
     statistics.hairs_grown = hair->hairs().size();
@@ -219,7 +219,7 @@ struct Renderer::Impl {
   /// Whether anything in the box may cast a shadow into the view.
   bool castsInto(const ViewVolume& view, const Box& box) const {
     for (size_t light = 0; light < shadows->lights(); ++light) {
-      const Eigen::Vector3f beside = Eigen::Vector3f::Constant(map_widths[light] * shadows->lookUpReach());
+      const Eigen::Vector3f beside = Eigen::Vector3f::Constant(map_widths[light] * shadows->lookupRadius());
       if (!view.misses(shadowOf(Box(box.min() - beside, box.max() + beside), block.lights[light])))
         return true;
     }
@@ -331,7 +331,7 @@ struct Renderer::Impl {
                                         : detailOfSize(hair->hairs(), widest, finest);
     const float segment_pixels =
         longest_guide / static_cast<float>(settings.segments) * widest / block.hair_color.w();
-    chosen.node_stride = strideFor(segment_pixels, wanted.longest_segment, settings.segments, least_segments);
+    chosen.node_stride = strideFor(segment_pixels, wanted.longest_segment, settings.segments, min_segments);
     return chosen;
   }
 
@@ -491,17 +491,17 @@ struct Renderer::Impl {
   Box rest_bounds;
   float longest_guide = 0;  // m
   float hair_radius = 0;    // m, of the groom
-  int least_segments = 1;
+  int min_segments = 1;
   // State of the picture in progress.
   Box lit;
   DepthRange depth_range;
   SceneBlock block{};
-  std::array<float, kMostLights> map_widths{};  // m, upper bound on the width of each light's shadow maps
+  std::array<float, kMaxLights> map_widths{};  // m, upper bound on the width of each light's shadow maps
   HairDetail detail, shadow_detail;
   HairGroups groups;
   Selection selected;
   size_t seen_hairs = 0, computed_hairs = 0;
-  HeldSize held_width;
+  HysteresisSize held_width;
   RenderStatistics statistics;
 };
 
@@ -549,7 +549,7 @@ void Renderer::setObstacles(std::vector<HairObstacle> obstacles) {
 
 void Renderer::draw(const GuideFrame& frame, const Camera& camera) {
   impl_->accept(frame);
-  impl_->body.place(impl_->colliders);
+  impl_->body.setColliderPoses(impl_->colliders);
   impl_->draw(camera);
 }
 

@@ -27,8 +27,8 @@ struct LightBlock {
   Eigen::Vector4f cone;   ///< coneCosines(); z: texels per metre of its opacity map, at 1 m from a light with
                           ///< a position; w: outer fraction of its maps over which shadows fade out
   Eigen::Vector4f power;  ///< intensity times colour; w: unused
-  float layer_ends[kMostOpacityLayers + 1];    ///< m behind the front of the hair, as layerEnds()
-  float layer_limits[kMostOpacityLayers + 1];  ///< m: hair up to this depth counts in the layer
+  float layer_ends[kMaxOpacityLayers + 1];    ///< m behind the front of the hair, as layerEnds()
+  float layer_limits[kMaxOpacityLayers + 1];  ///< m: hair up to this depth counts in the layer
 };
 
 /// Scene parameters in shaders; the std140 block of shaders/scene.glsl, field for field.
@@ -45,9 +45,9 @@ struct SceneBlock {
   float opacity_filter = 0;     ///< OpacityLayers::filter
   float alpha_to_coverage = 0;  ///< 1 or 0
   float unused = 0;
-  LightBlock lights[kMostLights];  ///< those that cast shadows first
+  LightBlock lights[kMaxLights];  ///< those that cast shadows first
 };
-static_assert(sizeof(LightBlock) == 256 && sizeof(SceneBlock) == 176 + kMostLights * sizeof(LightBlock));
+static_assert(sizeof(LightBlock) == 256 && sizeof(SceneBlock) == 176 + kMaxLights * sizeof(LightBlock));
 
 /// `camera` with values clamped to what can be drawn.
 Camera clipped(const Camera& camera);

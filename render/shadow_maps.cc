@@ -108,7 +108,7 @@ ShadowMaps::ShadowMaps(const OpacityLayers& layers, size_t lights)
 }
 
 float ShadowMaps::fit(LightBlock& light, const Box& content, float scale) const {
-  const LightView view = light.place.w() > 0 ? perspectiveView(light, content, scale, lookUpReach())
+  const LightView view = light.place.w() > 0 ? perspectiveView(light, content, scale, lookupRadius())
                                              : parallelView(light, content, scale, front_size_);
   light.view_projection = view.projection;
   light.way.w() = view.range;
@@ -117,14 +117,14 @@ float ShadowMaps::fit(LightBlock& light, const Box& content, float scale) const 
   const float depth = layers_.beyond == BeyondLayers::kReach ? view.range : layers_.depth;
   const auto ends = layerEnds(layers_, depth);
   const float last = layers_.beyond == BeyondLayers::kLastLayer ? 1e9f : ends[layers_.layers - 1];
-  for (int k = 0; k <= kMostOpacityLayers; ++k) {
+  for (int k = 0; k <= kMaxOpacityLayers; ++k) {
     light.layer_ends[k] = ends[k];
     light.layer_limits[k] = k + 1 < layers_.layers ? ends[k] : last;
   }
   return view.widest;
 }
 
-float ShadowMaps::lookUpReach() const {
+float ShadowMaps::lookupRadius() const {
   return 2.0f / static_cast<float>(front_size_) +
          static_cast<float>(layers_.filter + 2) / static_cast<float>(layers_.map_size);
 }

@@ -13,7 +13,7 @@ class ShadowMaps {
  public:
   static constexpr int kSolidSize = 1024, kFrontSize = 256;  // texels per side
 
-  /// `lights`: 0 to kMostLights.
+  /// `lights`: 0 to kMaxLights.
   ShadowMaps(const OpacityLayers& layers, size_t lights);
   size_t lights() const { return solid_targets_.size(); }
 
@@ -26,7 +26,7 @@ class ShadowMaps {
   float fit(LightBlock& light, const Box& content, float scale = 1) const;
 
   /// Largest distance beside a point at which hair affects its look-up, over the maps' width.
-  float lookUpReach() const;
+  float lookupRadius() const;
 
   void beginSolids(size_t light) const;
   void beginHairFront(size_t light) const;

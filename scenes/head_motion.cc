@@ -131,10 +131,10 @@ HeadMotion bvhMotion(const std::filesystem::path& file, const Vec3& pivot, const
   FileReport report = clip.report;
   report.warnings.insert(report.warnings.end(), unit.warnings.begin(), unit.warnings.end());
   std::vector<std::string> told, doubts;
-  tell(file, report, told, doubts);
+  appendReport(file, report, told, doubts);
   for (const std::string& note : unit.notes) told.push_back(file.string() + ": " + note);
   const Vec3 way = clip.pose(head, clip.frames - 1).position - clip.pose(head, 0).position;
-  if (const auto travel = static_cast<double>(way.norm() * unit.meters); travel > kTravelWorthSaying)
+  if (const auto travel = static_cast<double>(way.norm() * unit.meters); travel > kNotableTravel)
     told.push_back(travelText(file.string(), clip.joints[head].name, travel));
   if (notes != nullptr) notes->insert(notes->end(), told.begin(), told.end());
   if (warnings != nullptr) warnings->insert(warnings->end(), doubts.begin(), doubts.end());

@@ -43,7 +43,7 @@ HeadMotion bvhMotion(const std::filesystem::path& file, const Vec3& pivot,
                      const ClipMotionOptions& options = {}, std::vector<std::string>* notes = nullptr,
                      std::vector<std::string>* warnings = nullptr);
 
-constexpr double kTravelWorthSaying = 1e-2;  ///< m, travel that is mentioned in a note
+constexpr double kNotableTravel = 1e-2;  ///< m, travel that is mentioned in a note
 /// Note that the travel of a clip is removed: "CLIP: 'hips' travels 1.2 m from the first frame to the last,
 /// which ...".
 std::string travelText(const std::string& clip, const std::string& joint, double meters);

@@ -235,7 +235,7 @@ Vec3 nearestOf(const FieldGrid& grid, const Vec3& place) {
 }
 
 /// Notes the distance of the parts' fields from the blended skin over the clip.
-void noteFollowing(Scene& scene) {
+void noteBodyMotion(Scene& scene) {
   constexpr int kLooks = 8;
   const SkinnedBody& skinned = *scene.skinned;
   if (!skinned.hasClip()) return;
@@ -335,11 +335,11 @@ void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene
 
 /// Warns when the sizes of hair and body suggest different units.
 void warnOfSizes(const TriangleMesh& body, const StrandSet& strands, std::vector<std::string>& warnings) {
-  constexpr float kMostRatio = 100;
+  constexpr float kMaxRatio = 100;
   Box hair;
   for (const Vec3& p : strands.positions) hair.extend(Eigen::Vector3f(p));
   const float hair_size = hair.sizes().maxCoeff(), body_size = body.bounds().sizes().maxCoeff();
-  if (hair_size > kMostRatio * body_size || body_size > kMostRatio * hair_size)
+  if (hair_size > kMaxRatio * body_size || body_size > kMaxRatio * hair_size)
     warnings.push_back(
         fmt::format("the hair is {:.3g} m large and the body {:.3g} m: correct the wrong unit "
                     "(--unit-meters, --body-unit-meters)",
@@ -359,7 +359,7 @@ void warnOfFarRoots(const TriangleMesh& body, const RootBinding& binding,
 }
 
 /// Passes warnings on early: a wrong unit should be known before minutes are spent on a bake.
-void tellWarnings(const SceneOptions& options, Scene& scene) {
+void reportWarnings(const SceneOptions& options, Scene& scene) {
   if (!options.warns_early) return;
   for (std::vector<std::string>* lines : {&scene.groom.report.warnings, &scene.warnings})
     for (const std::string& line : std::exchange(*lines, {})) options.warns_early(line);
@@ -376,14 +376,14 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
     skinned = std::make_shared<SkinnedBody>(loadSkinnedMesh(options.body, units), motion);
     for (const ScenePrimitive& primitive : options.primitives)
       if (!primitive.joint.empty()) skinned->checkJoint(primitive.joint, primitive.where);
-    tell(options.body, skinned->skin().report, scene.notes, scene.warnings);
+    appendReport(options.body, skinned->skin().report, scene.notes, scene.warnings);
     scene.notes.insert(scene.notes.end(), skinned->notes().begin(), skinned->notes().end());
     for (const std::string& line : skinned->repair().lines()) scene.warnings.push_back("the body: " + line);
     scene.body = skinned->skin().mesh;
     scene.head_weights = skinned->jointWeights();
   } else {
     ReadMesh body = loadMesh(options.body, units);
-    tell(options.body, body.report, scene.notes, scene.warnings);
+    appendReport(options.body, body.report, scene.notes, scene.warnings);
     scene.body = std::move(body.mesh);
   }
   report(progress, "binding roots to the body", 0.4);
@@ -400,10 +400,10 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   scene.notes.push_back(fmt::format("roots are {:.1f} mm off the body on average, {:.1f} mm at most",
                                     1000 * binding.mean_distance, 1000 * binding.max_distance));
   warnOfFarRoots(scene.body, binding, scene.warnings);
-  tellWarnings(options, scene);
+  reportWarnings(options, scene);
   if (skinned) {
     bakeParts(options, progress, scene, std::move(skinned));
-    noteFollowing(scene);
+    noteBodyMotion(scene);
   } else if (options.body_contact == BodyContact::kField)
     bakeBody(options, progress, scene);
   else
@@ -413,8 +413,8 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
 /// Attaches roots to the skin. Of the 65,535 bones of a model besides the head, `pinned` are reserved for
 /// pins.
 void growOnSkin(const StrandSet& strands, size_t pinned, Scene& scene) {
-  constexpr size_t kMostBones = std::numeric_limits<uint16_t>::max();
-  scene.skinned->growOnSkin(strands, kMostBones - std::min(pinned, kMostBones));
+  constexpr size_t kMaxBones = std::numeric_limits<uint16_t>::max();
+  scene.skinned->growOnSkin(strands, kMaxBones - std::min(pinned, kMaxBones));
   const std::vector<std::string>& found = scene.skinned->roots()->notes();
   scene.notes.insert(scene.notes.end(), found.begin(), found.end());
 }
@@ -558,7 +558,7 @@ void addPrimitives(const SceneOptions& options, const Progress& progress, Scene&
       options.bake_begins);
   for (PrimitiveBody& made_body : made.bodies) {
     const BodyId id = scene.bodies.size();
-    if (!made_body.joint.empty()) scene.skinned->hang(id, made_body.joint);
+    if (!made_body.joint.empty()) scene.skinned->attachToJoint(id, made_body.joint);
     if (!made_body.name.empty()) scene.named_bodies[made_body.name] = id;
     scene.bodies.push_back(std::move(made_body.body));
     if (made_body.mesh_hash == 0) continue;

@@ -28,7 +28,7 @@ void setAside(ContactPrimitive& shape) {
 }
 
 /// Moves the shape to the origin of its body, without rotation. Returns the pose that restores its placement.
-Pose takePlace(ContactPrimitive& shape) {
+Pose extractPose(ContactPrimitive& shape) {
   Pose pose;
   std::swap(pose.position, shape.a);
   if (shape.kind == PrimitiveKind::kCapsule || shape.kind == PrimitiveKind::kTaperedCapsule)
@@ -45,7 +45,7 @@ TriangleMesh placedMesh(const ScenePrimitive& primitive, const GroomReadOptions&
                         PrimitiveBodies& made, ContentHash& hash) {
   ReadMesh from = loadMesh(primitive.file, meshUnits(primitive.file, primitive.units, obj_units),
                            kSkippedGroups, primitive.beneath);
-  tell(primitive.file, from.report, made.notes, made.warnings);
+  appendReport(primitive.file, from.report, made.notes, made.warnings);
   TriangleMesh mesh = std::move(from.mesh);
   hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(mesh.positions[0]));
   hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
@@ -121,7 +121,7 @@ PrimitiveBodies primitiveBodies(const std::vector<ScenePrimitive>& primitives, c
     const std::string name = primitive.file.filename().string();
     const bool stands = primitive.joint.empty() && !primitive.follows_head;
     const bool is_apart = stands && !primitive.name.empty();
-    const Pose pose = is_apart ? takePlace(primitive.shape) : Pose{};
+    const Pose pose = is_apart ? extractPose(primitive.shape) : Pose{};
     ContactPrimitive shape = primitive.shape;
     ContentHash hash;
     if (shape.kind == PrimitiveKind::kConvex) {

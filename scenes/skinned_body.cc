@@ -27,20 +27,20 @@ Placement placementOf(const Pose& pose) {
 }
 
 /// The first few distinct names.
-std::string someOf(const std::vector<std::string>& names) {
-  constexpr size_t kMost = 8;
+std::string firstNamesOf(const std::vector<std::string>& names) {
+  constexpr size_t kMax = 8;
   std::vector<std::string> shown;
   for (const std::string& name : names)
     if (const std::string plain = printable(name);
         std::find(shown.begin(), shown.end(), plain) == shown.end())
       shown.push_back(plain);
-  const bool are_more = shown.size() > kMost;
-  if (are_more) shown.resize(kMost);
+  const bool are_more = shown.size() > kMax;
+  if (are_more) shown.resize(kMax);
   return fmt::format("{}{}", fmt::join(shown, ", "), are_more ? ", ..." : "");
 }
 
 /// Suggests the name that was probably meant, or lists those that exist.
-std::string meantOf(const std::string& name, const std::vector<std::string>& names) {
+std::string suggestionFor(const std::string& name, const std::vector<std::string>& names) {
   const std::string near = didYouMean(name, names);
   return near.empty() ? fmt::format("it has {}", fmt::join(names, ", ")) : near;
 }
@@ -50,7 +50,7 @@ size_t jointNamed(const Skeleton& skeleton, const std::string& name, const std::
   if (found >= 0) return static_cast<size_t>(found);
   std::vector<std::string> names;
   for (const SkeletonJoint& joint : skeleton.joints) names.push_back(joint.name);
-  throw Error("the body has no joint '" + name + "'", where, meantOf(name, names));
+  throw Error("the body has no joint '" + name + "'", where, suggestionFor(name, names));
 }
 
 /// The joint called `name`. Without a name, the head's joint among those that carry skin (other nodes, such
@@ -69,7 +69,7 @@ size_t rootedJoint(const SkinnedMesh& skin, const std::string& name) {
   if (found >= 0) return joints[static_cast<size_t>(found)];
   if (joints.size() == 1) return joints.front();
   throw Error("no joint of the body has 'head' in its name", skin.mesh.name,
-              fmt::format("name the one that hair grows on (--body-joint): {}", someOf(names)));
+              fmt::format("name the one that hair grows on (--body-joint): {}", firstNamesOf(names)));
 }
 
 SkeletonClip clipNamed(SkinnedMesh& skin, const SkinnedMotion& motion, std::vector<std::string>& notes) {
@@ -77,7 +77,7 @@ SkeletonClip clipNamed(SkinnedMesh& skin, const SkinnedMotion& motion, std::vect
   if (name.empty()) return {};
   if (lowerExtension(name) == ".bvh") {
     const BvhClip bvh = readBvh(std::filesystem::path(name));
-    tell(name, bvh.report, notes, skin.report.warnings);
+    appendReport(name, bvh.report, notes, skin.report.warnings);
     BvhOnSkeleton found = onSkeleton(bvh, skin.skeleton, motion.clip_unit_meters, name);
     for (const std::string& note : found.notes) notes.push_back(fmt::format("{}: {}", name, note));
     for (const std::string& warning : found.warnings)
@@ -91,8 +91,8 @@ SkeletonClip clipNamed(SkinnedMesh& skin, const SkinnedMotion& motion, std::vect
     if (clip.name == name) return clip;
     names.push_back(clip.name);
   }
-  const std::string there = names.empty() ? "it has none; give a .bvh file" : meantOf(name, names);
-  const std::string without = skin.report.leftOutLine();
+  const std::string there = names.empty() ? "it has none; give a .bvh file" : suggestionFor(name, names);
+  const std::string without = skin.report.omissionsLine();
   throw Error("the body has no clip '" + name + "'", skin.mesh.name,
               without.empty() ? there : there + "; it was read " + without);
 }
@@ -120,7 +120,7 @@ SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
   choose(motion);
   parts_ = cutOriented(skin_, repair_);
   rest_locals_ = skin_.skeleton.rest();
-  rest_ = skin_.skeleton.place(rest_locals_);
+  rest_ = skin_.skeleton.worldTransforms(rest_locals_);
   for (size_t j = 0; j < rest_.size(); ++j) {
     const int parent = skin_.skeleton.joints[j].parent;
     below_.push_back(j == joint_ || (parent >= 0 && below_[static_cast<size_t>(parent)]));
@@ -128,12 +128,12 @@ SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
   first_ = last_ = rest_locals_;
   clip_.pose(0, first_);
   clip_.pose(clip_.duration, last_);
-  tellOfTravel();
+  noteTravel();
 }
 
 /// Notes the travel of the joint that travels farthest.
-void SkinnedBody::tellOfTravel() {
-  const std::vector<Placement> placed = skin_.skeleton.place(first_);
+void SkinnedBody::noteTravel() {
+  const std::vector<Placement> placed = skin_.skeleton.worldTransforms(first_);
   size_t farthest = 0;
   double most = 0;
   for (size_t j = 0; j < first_.size(); ++j) {
@@ -145,8 +145,7 @@ void SkinnedBody::tellOfTravel() {
     most = travel;
     farthest = j;
   }
-  if (most > kTravelWorthSaying)
-    notes_.push_back(travelText("the clip " + clip_.name, nameOf(farthest), most));
+  if (most > kNotableTravel) notes_.push_back(travelText("the clip " + clip_.name, nameOf(farthest), most));
 }
 
 /// Selects the clip and discards other clips and the targets that it does not play.
@@ -159,7 +158,8 @@ void SkinnedBody::choose(const SkinnedMotion& motion) {
   if (skin_.targets.empty()) return;
   std::vector<std::string> names;
   for (const MorphTarget& target : skin_.targets) names.push_back(target.name);
-  notes_.push_back(fmt::format("the clip plays {} morph targets ({})", skin_.targets.size(), someOf(names)));
+  notes_.push_back(
+      fmt::format("the clip plays {} morph targets ({})", skin_.targets.size(), firstNamesOf(names)));
 }
 
 Vec3 SkinnedBody::pivot() const { return Vec3(rest_[joint_].translation().cast<float>()); }
@@ -210,11 +210,11 @@ std::vector<float> SkinnedBody::weightsAt(double seconds) const {
 }
 
 Pose SkinnedBody::carried(double seconds) const {
-  return rigid(skin_.skeleton.place(played(seconds))[joint_]) * rigid(rest_[joint_]).inverse();
+  return rigid(skin_.skeleton.worldTransforms(played(seconds))[joint_]) * rigid(rest_[joint_]).inverse();
 }
 
 SkinnedBody::Moment SkinnedBody::at(double seconds, const Pose& head) const {
-  std::vector<Placement> joints = skin_.skeleton.place(played(seconds));
+  std::vector<Placement> joints = skin_.skeleton.worldTransforms(played(seconds));
   const Pose carried = rigid(joints[joint_]) * rigid(rest_[joint_]).inverse();
   const Placement turn = placementOf(carried * head * carried.inverse());
   for (size_t j = 0; j < joints.size(); ++j)
@@ -254,8 +254,8 @@ std::vector<bool> SkinnedBody::rigidJoints() const {
   return rigid;
 }
 
-void SkinnedBody::growOnSkin(const StrandSet& strands, size_t most_bones) {
-  roots_.emplace(skin_, rigidJoints(), static_cast<uint32_t>(joint_), strands, most_bones);
+void SkinnedBody::growOnSkin(const StrandSet& strands, size_t max_bones) {
+  roots_.emplace(skin_, rigidJoints(), static_cast<uint32_t>(joint_), strands, max_bones);
 }
 
 std::vector<Pose> SkinnedBody::placedRoots(const Moment& moment) const {
@@ -268,19 +268,19 @@ void SkinnedBody::checkJoint(const std::string& joint, const std::string& where)
   jointNamed(skin_.skeleton, joint, where);
 }
 
-void SkinnedBody::hang(BodyId body, const std::string& joint) {
-  hanging_.emplace_back(body, jointNamed(skin_.skeleton, joint, skin_.mesh.name));
+void SkinnedBody::attachToJoint(BodyId body, const std::string& joint) {
+  attached_bodies_.emplace_back(body, jointNamed(skin_.skeleton, joint, skin_.mesh.name));
 }
 
 const std::string* SkinnedBody::jointOf(BodyId body) const {
-  for (const auto& [hanging, joint] : hanging_)
-    if (hanging == body) return &nameOf(joint);
+  for (const auto& [attached, joint] : attached_bodies_)
+    if (attached == body) return &nameOf(joint);
   return nullptr;
 }
 
-std::vector<SkinnedBody::HangingBody> SkinnedBody::placedBodies(const Moment& moment) const {
-  std::vector<HangingBody> out;
-  for (const auto& [body, joint] : hanging_) {
+std::vector<SkinnedBody::AttachedBody> SkinnedBody::placedBodies(const Moment& moment) const {
+  std::vector<AttachedBody> out;
+  for (const auto& [body, joint] : attached_bodies_) {
     Pose pose = rigid(moment.joints[joint]) * rigid(rest_[joint]).inverse();
     pose.rotation.normalize();
     out.push_back({body, pose});
@@ -302,8 +302,8 @@ void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulatio
     if (simulation.body(id).bends) simulation.setBodyBend(id, part.bend);
     ++id;
   }
-  for (const SkinnedBody::HangingBody& hanging : body->placedBodies(moment))
-    if (simulation.hasBody(hanging.body)) simulation.setBodyPose(hanging.body, hanging.pose);
+  for (const SkinnedBody::AttachedBody& attached : body->placedBodies(moment))
+    if (simulation.hasBody(attached.body)) simulation.setBodyPose(attached.body, attached.pose);
 }
 
 }  // namespace strandcast

@@ -65,9 +65,9 @@ class SkinnedBody {
   /// Vertices of the skin, m, with the head's motion at `head`.
   std::vector<Vec3> surface(double seconds, const Pose& head) const;
 
-  /// Attaches the roots of these strands to the skin, with at most `most_bones` bones. The Simulation must
+  /// Attaches the roots of these strands to the skin, with at most `max_bones` bones. The Simulation must
   /// then be made from a model with these bones (sceneModel).
-  void growOnSkin(const StrandSet& strands, size_t most_bones);
+  void growOnSkin(const StrandSet& strands, size_t max_bones);
   /// Null: all roots move with the joint.
   const SkinRoots* roots() const { return roots_ ? &*roots_ : nullptr; }
   /// Poses of the bones of roots().
@@ -80,15 +80,15 @@ class SkinnedBody {
   void checkJoint(const std::string& joint, const std::string& where) const;
   /// Attaches a body of the simulation to a joint, relative to the joint at rest. Throws Error on an unknown
   /// joint.
-  void hang(BodyId body, const std::string& joint);
+  void attachToJoint(BodyId body, const std::string& joint);
   /// The joint to which a body is attached; null if none.
   const std::string* jointOf(BodyId body) const;
-  struct HangingBody {
+  struct AttachedBody {
     BodyId body;
     Pose pose;  ///< motion of its joint relative to rest
   };
   /// Poses of all bodies that are attached to joints.
-  std::vector<HangingBody> placedBodies(const Moment& moment) const;
+  std::vector<AttachedBody> placedBodies(const Moment& moment) const;
 
  private:
   const std::string& nameOf(size_t joint) const { return skin_.skeleton.joints[joint].name; }
@@ -101,7 +101,7 @@ class SkinnedBody {
   std::vector<JointTransform> played(double seconds) const;
   std::vector<float> weightsAt(double seconds) const;
   void choose(const SkinnedMotion& motion);
-  void tellOfTravel();
+  void noteTravel();
   std::vector<bool> rigidJoints() const;
 
   SkinnedMesh skin_;
@@ -113,7 +113,8 @@ class SkinnedBody {
   SurfaceRepair repair_;
   std::vector<float> rest_weights_, first_weights_;
   std::vector<SkinPart> parts_;
-  std::vector<std::pair<BodyId, size_t>> hanging_;  ///< bodies with the joints to which they are attached
+  std::vector<std::pair<BodyId, size_t>>
+      attached_bodies_;  ///< bodies with the joints to which they are attached
   std::optional<SkinRoots> roots_;
   std::vector<std::string> notes_;
 };

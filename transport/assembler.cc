@@ -10,10 +10,10 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kDescriptionsUnderWay = 2;
-constexpr size_t kFramesUnderWay = 4;
+constexpr size_t kMaxPendingDescriptions = 2;
+constexpr size_t kMaxPendingFrames = 4;
 /// Once so many frames have begun since the last chunk of a frame, no more of its chunks are expected.
-constexpr uint64_t kForgottenAfter = 8;
+constexpr uint64_t kPendingTimeout = 8;
 
 /// Whether an optional array has `count` entries if present, and none if absent.
 template <class T>
@@ -172,7 +172,7 @@ bool hasSoundBends(const GuideChunk& chunk) {
   }
   return chunk.collider_bends.size() == kBendNumbers * chunk.bent_colliders.size() &&
          std::all_of(chunk.collider_bends.begin(), chunk.collider_bends.end(),
-                     [](float v) { return std::abs(v) <= kMostBendNumber; });
+                     [](float v) { return std::abs(v) <= kMaxBendNumber; });
 }
 
 bool hasSoundPoses(const GuideChunk& chunk) {
@@ -219,7 +219,7 @@ DescriptionAssembler<Chunk, Description>::pendingFor(const Chunk& chunk) {
     pending_.splice(pending_.begin(), pending_, found);
     return &pending_.front();
   }
-  if (pending_.size() == kDescriptionsUnderWay) pending_.pop_back();
+  if (pending_.size() == kMaxPendingDescriptions) pending_.pop_back();
   pending_.emplace_front();
   return &pending_.front();
 }
@@ -251,7 +251,7 @@ void GuideAssembler::setGroom(std::shared_ptr<const GroomDescription> groom) {
   decoder_.setGroom(groom_->guides);
   if (conceals_) concealment_.setGroom(groom_->guides);
   if (colliders_) setColliders(std::move(colliders_));
-  beginAnew();
+  restart();
 }
 
 void GuideAssembler::setColliders(std::shared_ptr<const ColliderSet> colliders) {
@@ -260,10 +260,10 @@ void GuideAssembler::setColliders(std::shared_ptr<const ColliderSet> colliders) 
   if (groom_ && groom_->session == colliders_->session) concealment_.setColliders(*colliders_);
 }
 
-void GuideAssembler::beginAnew() {
-  for (Pending& pending : pending_) pool_.giveBack(std::move(pending.frame));
+void GuideAssembler::restart() {
+  for (Pending& pending : pending_) pool_.release(std::move(pending.frame));
   pending_.clear();
-  sequence_.beginAnew();
+  sequence_.restart();
 }
 
 bool GuideAssembler::fits(const GuideChunk& chunk) const {
@@ -294,7 +294,7 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
   // Drop the least recently fed, not the lowest number: a damaged number must not keep its slot, nor make all
   // frames before it overdue.
   while (!pending_.empty() &&
-         (pending_.size() == kFramesUnderWay || begun_ - pending_.back().fed > kForgottenAfter))
+         (pending_.size() == kMaxPendingFrames || begun_ - pending_.back().fed > kPendingTimeout))
     drop(std::prev(pending_.end()));
   Pending& pending = pending_.emplace_front();
   pending.header.frame = chunk.frame;
@@ -303,7 +303,7 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
   pending.header.simulation_time = chunk.simulation_time;
   pending.header.head_position = chunk.head_position;
   pending.header.head_rotation = chunk.head_rotation;
-  pending.frame = pool_.take();
+  pending.frame = pool_.acquire();
   pending.frame->positions.resize(groom_->guides.vertices());
   pending.runs.resize(chunk.chunk_count);
   return &pending;
@@ -315,16 +315,16 @@ std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
     ++statistics_.chunks_rejected;
     return nullptr;
   }
-  switch (sequence_.look(chunk.frame)) {
-    case FrameSequence::Place::kNext:
+  switch (sequence_.classify(chunk.frame)) {
+    case FrameSequence::Order::kNext:
       break;
-    case FrameSequence::Place::kLate:
+    case FrameSequence::Order::kLate:
       return nullptr;  // counted as lost when the newer frame was completed
-    case FrameSequence::Place::kFar:
+    case FrameSequence::Order::kFar:
       ++statistics_.chunks_rejected;
       return nullptr;
-    case FrameSequence::Place::kAnew:
-      beginAnew();
+    case FrameSequence::Order::kRestart:
+      restart();
   }
   // Before any state changes: a damaged payload has no effect.
   decoded_.resize(chunk.vertex_count);
@@ -345,7 +345,7 @@ std::shared_ptr<const GuideFrame> GuideAssembler::add(const GuideChunk& chunk) {
 }
 
 void GuideAssembler::drop(std::list<Pending>::iterator pending) {
-  pool_.giveBack(std::move(pending->frame));
+  pool_.release(std::move(pending->frame));
   pending_.erase(pending);
 }
 
@@ -389,7 +389,7 @@ std::shared_ptr<const GuideFrame> GuideAssembler::release(std::list<Pending>::it
   frame.head.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(header.head_rotation.data());
   frame.strands_concealed = 0;
   if (conceals_) {
-    concealment_.learn(frame, pending->runs);
+    concealment_.record(frame, pending->runs);
     if (pending->received < header.chunk_count && !concealment_.conceal(frame)) {
       drop(pending);
       return nullptr;

@@ -17,34 +17,34 @@ namespace strandcast {
 /// appear old; but a daemon may have published many frames while none was received here.
 class FrameSequence {
  public:
-  static constexpr uint64_t kMostAhead = 4096, kMostBehind = 64;  // frames
+  static constexpr uint64_t kMaxAhead = 4096, kMaxBehind = 64;  // frames
   static constexpr int kResyncFrames = 3;
 
-  enum class Place {
-    kNext,  ///< newer than the newest
-    kLate,  ///< the newest, or a little older
-    kFar,   ///< outside the range of lost and late frames: a wrong number
-    kAnew   ///< outside that range, like the frames just before it, which were in order: restart the stream
-            ///< here
+  enum class Order {
+    kNext,    ///< newer than the newest
+    kLate,    ///< the newest, or a little older
+    kFar,     ///< outside the range of lost and late frames: a wrong number
+    kRestart  ///< outside that range, like the frames just before it, which were in order: restart the stream
+              ///< here
   };
   /// Classifies the frame number of a chunk; `frame` is 1 or more.
-  Place look(uint64_t frame) {
-    if (newest_ == 0 || (frame > newest_ && frame - newest_ <= kMostAhead)) {
+  Order classify(uint64_t frame) {
+    if (newest_ == 0 || (frame > newest_ && frame - newest_ <= kMaxAhead)) {
       resync_frames_ = 0;
-      return Place::kNext;
+      return Order::kNext;
     }
-    if (frame <= newest_ && newest_ - frame <= kMostBehind) return Place::kLate;
-    if (resync_frames_ > 0 && frame <= far_ && far_ - frame <= kMostBehind)
-      return Place::kFar;  // a repetition of a far number, or older
-    const bool goes_on = resync_frames_ > 0 && frame > far_ && frame - far_ <= kMostAhead;
+    if (frame <= newest_ && newest_ - frame <= kMaxBehind) return Order::kLate;
+    if (resync_frames_ > 0 && frame <= far_ && far_ - frame <= kMaxBehind)
+      return Order::kFar;  // a repetition of a far number, or older
+    const bool goes_on = resync_frames_ > 0 && frame > far_ && frame - far_ <= kMaxAhead;
     resync_frames_ = goes_on ? resync_frames_ + 1 : 1;
     far_ = frame;
-    if (resync_frames_ < kResyncFrames) return Place::kFar;
-    beginAnew();
-    return Place::kAnew;
+    if (resync_frames_ < kResyncFrames) return Order::kFar;
+    restart();
+    return Order::kRestart;
   }
   /// Accepts any number for the next frame.
-  void beginAnew() { newest_ = 0, resync_frames_ = 0; }
+  void restart() { newest_ = 0, resync_frames_ = 0; }
   void take(uint64_t frame) { newest_ = frame; }
   /// 0 = none.
   uint64_t newest() const { return newest_; }
@@ -95,7 +95,7 @@ class GuideAssembler {
   /// another session than the groom's are kept until a groom of theirs is set.
   void setColliders(std::shared_ptr<const ColliderSet> colliders);
   /// Drops incomplete frames and accepts any number for the next frame, as after a seek in a file.
-  void beginAnew();
+  void restart();
   /// The frame that this chunk completed, or null. Its number is lower than the last one's where the stream
   /// restarted (FrameSequence).
   std::shared_ptr<const GuideFrame> add(const GuideChunk& chunk);
@@ -130,7 +130,7 @@ class GuideAssembler {
   FramePool pool_;
   GuideDecoder decoder_;
   std::vector<Vec3> decoded_;   // of the current chunk
-  std::list<Pending> pending_;  // most recently fed first; at most kFramesUnderWay
+  std::list<Pending> pending_;  // most recently fed first; at most kMaxPendingFrames
   uint64_t begun_ = 0;          // number of frames of which a chunk came
   FrameSequence sequence_;      // of the complete frames of this groom
   ReceiveStatistics statistics_;

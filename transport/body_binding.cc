@@ -49,7 +49,7 @@ BodyBinding::BodyBinding(std::span<const Vec3> positions, std::span<const BodyPa
   }
 }
 
-void BodyBinding::place(std::span<const PlacedCollider> colliders) {
+void BodyBinding::setColliderPoses(std::span<const PlacedCollider> colliders) {
   for (size_t i = 0; i < colliders_.size(); ++i)
     for (const PlacedCollider& placed : colliders) {
       if (placed.id != colliders_[i]) continue;

@@ -36,7 +36,7 @@ class BodyBinding {
   /// Id of the collider with the largest weight at a vertex. Precondition: holds(vertex).
   uint32_t mainCollider(size_t vertex) const;
   /// Sets the poses of the colliders, as a frame has them; those not given keep their pose.
-  void place(std::span<const PlacedCollider> colliders);
+  void setColliderPoses(std::span<const PlacedCollider> colliders);
   /// Position of a vertex, m: the weighted mean of its position on its colliders. `rest` is its position at
   /// rest. And its normal, not normalised. Precondition: holds(vertex).
   Vec3 position(size_t vertex, const Vec3& rest) const;

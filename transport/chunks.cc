@@ -294,7 +294,7 @@ void putWords(const ContactPrimitive& shape, std::vector<uint32_t>& words) {
 
 /// Finite, and so small that squared distances do not overflow a float.
 bool isFinite(std::span<const float> numbers) {
-  return std::all_of(numbers.begin(), numbers.end(), [](float n) { return std::abs(n) <= kMostShapeNumber; });
+  return std::all_of(numbers.begin(), numbers.end(), [](float n) { return std::abs(n) <= kMaxShapeNumber; });
 }
 
 std::vector<float> floatsOf(std::span<const uint32_t> words) {
@@ -395,7 +395,7 @@ bool addShape(const ColliderChunk& chunk, size_t i, std::span<const uint32_t> wo
 void checkColliderShape(const ContactPrimitive& shape, const std::string& where) {
   checkPrimitive(shape, where);
   shapeNumbers(shape, [&](float number) {
-    if (!(std::abs(number) <= kMostShapeNumber))
+    if (!(std::abs(number) <= kMaxShapeNumber))
       throw Error("a collider is beyond 10,000 km", where, "give it in metres");
   });
 }

@@ -95,8 +95,8 @@ struct ColliderChunk {
   std::vector<uint32_t> words;
 };
 
-inline constexpr size_t kBendNumbers = 33;      ///< floats of a collider's bend
-inline constexpr float kMostBendNumber = 1e7f;  ///< bound on the magnitude of each
+inline constexpr size_t kBendNumbers = 33;     ///< floats of a collider's bend
+inline constexpr float kMaxBendNumber = 1e7f;  ///< bound on the magnitude of each
 
 /// Visits the kBendNumbers numbers of a bend in the order of the wire: take(float&).
 template <class Bend, class Take>
@@ -170,7 +170,7 @@ inline constexpr size_t kMaxColliders = 1024;           ///< of a groom
 inline constexpr size_t kMaxColliderShapes = 4096;      ///< of all colliders of a groom
 inline constexpr uint64_t kMaxColliderWords = 8 << 20;  ///< of all colliders of a groom; 32 MB
 inline constexpr size_t kShapeNumbers = 16;             ///< floats per shape
-inline constexpr float kMostShapeNumber = 1e7f;         ///< m; bound on the magnitude of each
+inline constexpr float kMaxShapeNumber = 1e7f;          ///< m; bound on the magnitude of each
 
 /// Visits the kShapeNumbers numbers of a shape in the order of the wire: take(float&).
 template <class Shape, class Take>

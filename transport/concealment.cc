@@ -45,7 +45,7 @@ void ColliderMotion::clear() {
   before_.clear();
 }
 
-void ColliderMotion::learn(std::span<const PlacedCollider> placed, double time) {
+void ColliderMotion::record(std::span<const PlacedCollider> placed, double time) {
   std::swap(before_, last_);
   before_time_ = last_time_;
   last_.assign(placed.begin(), placed.end());
@@ -170,10 +170,10 @@ void Concealment::chooseCarrier(uint32_t strand, const Vec3& root) {
   strands_[strand].count = 0;  // its motion was relative to the old carrier
 }
 
-void Concealment::learn(GuideFrame& frame, std::span<const StrandRun> received) {
+void Concealment::record(GuideFrame& frame, std::span<const StrandRun> received) {
   const bool is_told = received.front().strand_count > 0;
   if (is_told) {
-    colliders_.learn(frame.colliders, frame.simulation_time);
+    colliders_.record(frame.colliders, frame.simulation_time);
   } else {
     colliders_.extrapolate(frame.simulation_time, frame.colliders);
     fitParts(frame, received);

@@ -28,7 +28,7 @@ class ColliderMotion {
  public:
   void clear();
   /// Records the colliders of a frame; time: simulation time, s.
-  void learn(std::span<const PlacedCollider> placed, double time);
+  void record(std::span<const PlacedCollider> placed, double time);
   /// `out`: all colliders of the last frame that had poses.
   void extrapolate(double time, std::vector<PlacedCollider>& out) const;
 
@@ -50,8 +50,8 @@ class Concealment {
   /// Records the strands of `frame` that are in `received`; runs with strand_count 0 are skipped.
   /// received.front() is the run of chunk 0, which has the poses of colliders: if it is missing, sets
   /// frame.colliders to extrapolated poses.
-  void learn(GuideFrame& frame, std::span<const StrandRun> received);
-  /// Sets the positions of the strands that learn() did not get in this frame, and frame.strands_concealed.
+  void record(GuideFrame& frame, std::span<const StrandRun> received);
+  /// Sets the positions of the strands that record() did not get in this frame, and frame.strands_concealed.
   /// False when a strand was never received or a position is not finite.
   bool conceal(GuideFrame& frame);
 

@@ -6,7 +6,7 @@ namespace strandcast {
 namespace {
 constexpr std::chrono::milliseconds kClaimPeriod{40};
 /// After this pause since its last claim another claimant has taken over: the topic's deadline is 250 ms.
-constexpr std::chrono::milliseconds kStandstill{700};
+constexpr std::chrono::milliseconds kStallTimeout{700};
 /// Longest time from the discovery of a casting daemon's writer of claims to its first claim.
 constexpr std::chrono::milliseconds kFirstClaim{250};
 /// Time after the last claim when no claimant is left: the topic's deadline, and time for the next claimant's
@@ -38,26 +38,28 @@ DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength, const
                  writers_.erase(prefixOf(writer));
                }}) {}
 
-bool DdsClaim::hasHeardOthers() const {
-  if (has_heard_others_) return true;
+bool DdsClaim::hasDiscoveredClaimants() const {
+  if (has_discovered_claimants_) return true;
   const Clock::time_point now = Clock::now();
-  if (now - joined_ < kSharedListens * kQuietListenTime) return false;
-  if (neighbours_.possibleRivals(groom_id_, true) > 0 && now - joined_ < settles_) return false;
+  if (now - joined_ < kSharedListenFactor * kShortListenTime) return false;
+  if (neighbours_.possibleConflicts(groom_id_, true) > 0 && now - joined_ < settle_time_) return false;
   const DdsNeighbours::Times claimants = neighbours_.claimants(groom_id_);
   const std::lock_guard lock(writers_mutex_);
   const bool all = std::all_of(claimants.begin(), claimants.end(), [&](const auto& claimant) {
     const auto writer = writers_.find(claimant.first);
     if (writer != writers_.end()) return now - writer->second >= kFirstClaim;
-    return now - claimant.second >= kRivalListenTime;
+    return now - claimant.second >= kConflictListenTime;
   });
-  if (all) has_heard_others_ = true;
+  if (all) has_discovered_claimants_ = true;
   return all;
 }
 
-uint64_t DdsClaim::turn() const { return holder_ == session_ && hasHeardOthers() ? turns_.load() : 0; }
+uint64_t DdsClaim::turn() const {
+  return holder_ == session_ && hasDiscoveredClaimants() ? turns_.load() : 0;
+}
 
 CastingState DdsClaim::castingState() const {
-  if (!hasHeardOthers()) return CastingState::kUnknown;
+  if (!hasDiscoveredClaimants()) return CastingState::kUnknown;
   const uint64_t holder = holder_;
   if (holder == session_) return CastingState::kOwn;
   const bool is_alive = holder != 0 && Clock::now() - heard_.load() < kClaimSilence;
@@ -68,14 +70,14 @@ bool DdsClaim::yields() const {
   return !thread_.joinable() && holder_is_equal_ && castingState() == CastingState::kOther;
 }
 
-bool DdsClaim::isClaimants(const StatusBoard::WriterId& writer) const {
+bool DdsClaim::isOfClaimant(const StatusBoard::WriterId& writer) const {
   const std::lock_guard lock(writers_mutex_);
   return writers_.contains(prefixOf(writer));
 }
 
-void DdsClaim::join(DdsParticipant& participant, std::chrono::milliseconds settles) {
+void DdsClaim::join(DdsParticipant& participant, std::chrono::milliseconds settle_time) {
   joined_ = Clock::now();
-  settles_ = settles;
+  settle_time_ = settle_time;
   participant.createReader(kClaimTopic, new ClaimType, &listener_);
   writer_ = participant.createWriter(kClaimTopic, new ClaimType, nullptr, strength_);
 }
@@ -95,27 +97,27 @@ void DdsClaim::stop() {
 
 bool DdsClaim::isLate() const {
   const Clock::time_point written = written_;
-  return written != Clock::time_point() && Clock::now() - written > kStandstill;
+  return written != Clock::time_point() && Clock::now() - written > kStallTimeout;
 }
 
-bool DdsClaim::hasStoodStill() const { return thread_.joinable() && (stood_still_ || isLate()); }
+bool DdsClaim::hasStalled() const { return thread_.joinable() && (stalled_ || isLate()); }
 
-void DdsClaim::forgetClaims() {
+void DdsClaim::resetClaims() {
   stop();
   stop_ = false;
-  stood_still_ = false;
+  stalled_ = false;
   written_ = Clock::time_point();
 }
 
-void DdsClaim::claimAgain() {
-  forgetClaims();
+void DdsClaim::restartClaims() {
+  resetClaims();
   claim();
 }
 
-void DdsClaim::joinAgain() {
-  forgetClaims();
+void DdsClaim::rejoin() {
+  resetClaims();
   holder_ = 0;
-  has_heard_others_ = false;
+  has_discovered_claimants_ = false;
   joined_ = Clock::now();
 }
 
@@ -125,8 +127,8 @@ void DdsClaim::write() {
   sample.session(session_);
   std::unique_lock lock(mutex_);
   do {
-    if (isLate()) stood_still_ = true;
-    if (stood_still_) break;
+    if (isLate()) stalled_ = true;
+    if (stalled_) break;
     lock.unlock();
     writer_->write(&sample);
     written_ = Clock::now();

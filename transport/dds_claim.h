@@ -22,19 +22,19 @@ class DdsClaim {
   ~DdsClaim() { stop(); }
   /// Creates the writer and the reader of claims: from now on this daemon is discovered as a claimant and
   /// hears the others. Where participants without a role are present, the holder stays unknown for up to
-  /// `settles`, so that they can be heard. `participant` must be destroyed between stop() and the destructor
-  /// of this.
-  void join(DdsParticipant& participant, std::chrono::milliseconds settles);
+  /// `settle_time`, so that they can be heard. `participant` must be destroyed between stop() and the
+  /// destructor of this.
+  void join(DdsParticipant& participant, std::chrono::milliseconds settle_time);
   /// Starts the thread that writes claims: a weaker claimant stops casting at once. Idempotent.
   void claim();
   /// Ends the thread that writes claims. Idempotent.
   void stop();
   /// Whether the pause between two claims of this daemon was so long that another one has taken over. It
-  /// writes no more claims then, until claimAgain() or joinAgain().
-  bool hasStoodStill() const;
-  void claimAgain();    ///< restarts the thread; the holder is kept
-  void forgetClaims();  ///< stops the thread until claim()
-  void joinAgain();     ///< as join(): forgets the holder, and claims nothing until claim()
+  /// writes no more claims then, until restartClaims() or rejoin().
+  bool hasStalled() const;
+  void restartClaims();  ///< restarts the thread; the holder is kept
+  void resetClaims();    ///< stops the thread until claim()
+  void rejoin();         ///< as join(): forgets the holder, and claims nothing until claim()
 
   /// While this daemon holds the claim, how often it has gained it, from 1; else 0.
   uint64_t turn() const;
@@ -46,14 +46,14 @@ class DdsClaim {
   /// The session of the newest claim heard; 0 before the first.
   uint64_t holder() const { return holder_; }
   /// Whether the participant of this writer (of any topic) also claims the groom.
-  bool isClaimants(const StatusBoard::WriterId& writer) const;
+  bool isOfClaimant(const StatusBoard::WriterId& writer) const;
 
  private:
   using Clock = std::chrono::steady_clock;
   void write();
   bool isLate() const;
   /// Whether every claimant present has had the time to be heard.
-  bool hasHeardOthers() const;
+  bool hasDiscoveredClaimants() const;
 
   const uint32_t groom_id_;
   const uint64_t session_;
@@ -63,19 +63,19 @@ class DdsClaim {
   std::atomic<bool> holder_is_equal_{false};  // whether the holder's strength is this daemon's
   std::atomic<uint64_t> turns_{0};
   std::atomic<Clock::time_point> heard_{Clock::time_point()};  // when the newest claim was heard
-  mutable std::atomic<bool> has_heard_others_{false};
+  mutable std::atomic<bool> has_discovered_claimants_{false};
   Clock::time_point joined_;
-  std::chrono::milliseconds settles_{0};
+  std::chrono::milliseconds settle_time_{0};
   mutable std::mutex writers_mutex_;
   // Writers of claims, and when each was matched
   std::map<DdsNeighbours::Prefix, Clock::time_point> writers_;
-  TakingListener<v6::Claim> listener_;
+  SampleListener<v6::Claim> listener_;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
   std::atomic<Clock::time_point> written_{Clock::time_point()};  // when this daemon last wrote a claim
-  std::atomic<bool> stood_still_{false};
+  std::atomic<bool> stalled_{false};
   std::thread thread_;
 };
 

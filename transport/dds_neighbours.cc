@@ -71,11 +71,11 @@ void DdsNeighbours::on_publisher_discovery(eprosima::fastdds::dds::DomainPartici
   const std::lock_guard lock(mutex_);
   const auto known = known_.find(prefix);
   if (known == known_.end()) return;
-  known->second.is_heard = true;
+  known->second.has_writer = true;
   if (claims) known->second.strength = info.info.m_qos.m_ownershipStrength.value;
 }
 
-size_t DdsNeighbours::possibleRivals(uint32_t groom_id, bool own_claims) const {
+size_t DdsNeighbours::possibleConflicts(uint32_t groom_id, bool own_claims) const {
   const std::lock_guard lock(mutex_);
   return static_cast<size_t>(std::count_if(known_.begin(), known_.end(), [&](const auto& known) {
     const std::optional<DdsRole>& role = known.second.role;
@@ -83,7 +83,7 @@ size_t DdsNeighbours::possibleRivals(uint32_t groom_id, bool own_claims) const {
   }));
 }
 
-size_t DdsNeighbours::strangers() const {
+size_t DdsNeighbours::participantsWithoutRole() const {
   const std::lock_guard lock(mutex_);
   return static_cast<size_t>(
       std::count_if(known_.begin(), known_.end(), [](const auto& known) { return !known.second.role; }));
@@ -106,13 +106,13 @@ std::optional<DdsRole> DdsNeighbours::roleOfWriter(const StatusBoard::WriterId& 
   return known == known_.end() ? std::nullopt : known->second.role;
 }
 
-bool DdsNeighbours::hasUnheardDaemon(uint32_t groom_id, std::chrono::milliseconds time) const {
+bool DdsNeighbours::hasDaemonWithoutWriters(uint32_t groom_id, std::chrono::milliseconds time) const {
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   return std::any_of(known_.begin(), known_.end(), [&](const auto& known) {
     const Neighbour& neighbour = known.second;
     return neighbour.role && neighbour.role->is_daemon && neighbour.role->groom_id == groom_id &&
-           !neighbour.is_heard && now - neighbour.since >= time;
+           !neighbour.has_writer && now - neighbour.since >= time;
   });
 }
 

@@ -39,9 +39,9 @@ class DdsNeighbours final : public eprosima::fastdds::dds::DomainParticipantList
 
   /// Number of participants that may cast this groom: its daemons (without its claimants, if `own_claims`),
   /// and participants without a role.
-  size_t possibleRivals(uint32_t groom_id, bool own_claims) const;
+  size_t possibleConflicts(uint32_t groom_id, bool own_claims) const;
   /// Number of participants without a role: programs with keys, programs of others, versions before roles.
-  size_t strangers() const;
+  size_t participantsWithoutRole() const;
   /// Whether a daemon of this groom has been known for longer than `finding`. For a daemon that shares the
   /// groom, and may be a silent standby, the bound is `claimant`.
   bool hasSilentDaemon(uint32_t groom_id, std::chrono::milliseconds finding,
@@ -54,7 +54,7 @@ class DdsNeighbours final : public eprosima::fastdds::dds::DomainParticipantList
   Times claimants(uint32_t groom_id) const;
   /// Whether a daemon of this groom has been known for `time` or longer without any of its writers being
   /// discovered: its packets do not arrive here.
-  bool hasUnheardDaemon(uint32_t groom_id, std::chrono::milliseconds time) const;
+  bool hasDaemonWithoutWriters(uint32_t groom_id, std::chrono::milliseconds time) const;
   /// Ownership strength of the participant's writer of claims; nothing where none was discovered.
   std::optional<uint32_t> strengthOf(const Prefix& prefix) const;
 
@@ -62,7 +62,7 @@ class DdsNeighbours final : public eprosima::fastdds::dds::DomainParticipantList
   struct Neighbour {
     std::optional<DdsRole> role;
     std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();
-    bool is_heard = false;             ///< a writer of it was discovered
+    bool has_writer = false;           ///< a writer of it was discovered
     std::optional<uint32_t> strength;  ///< of its claims
   };
   mutable std::mutex mutex_;

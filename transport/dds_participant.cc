@@ -86,8 +86,8 @@ namespace {
 constexpr int kMaxDomain = 232;              // largest whose ports fit 16 bits
 constexpr uint32_t kSocketBuffer = 4 << 20;  // bytes; with the default, bursts of a frame are lost
 // Numbers of participants; their ports are within the domain's range.
-constexpr int kFirstFreshId = 20, kLastFreshId = 114;
-constexpr int kFreshTries = 8;  // another program may take the number meanwhile
+constexpr int kFirstParticipantId = 20, kLastParticipantId = 114;
+constexpr int kParticipantIdTries = 8;  // another program may take the number meanwhile
 /// Bytes: six of the largest frames that are practical on a network of MTU 1500. With the default of half a
 /// megabyte most frames are lost.
 constexpr uint32_t kSharedSegment = 64 << 20;
@@ -98,7 +98,7 @@ const eprosima::fastrtps::Duration_t kOwnerDeadline{0, 250000000};
 constexpr uint32_t kLocalPeers = 16;
 
 /// Prints only the first few errors of Fast DDS to standard error, because it repeats them per datagram.
-class FewErrors final : public dds::LogConsumer {
+class LimitedErrorLog final : public dds::LogConsumer {
  public:
   void Consume(const dds::Log::Entry& entry) override {
     if (entry.kind != dds::Log::Kind::Error || shown_ == kShown || is_muted) return;
@@ -113,18 +113,18 @@ class FewErrors final : public dds::LogConsumer {
 };
 
 /// Suppresses errors during its lifetime. Fast DDS logs in its own thread, hence the flushes.
-class Silence {
+class ScopedLogMute {
  public:
-  Silence() {
+  ScopedLogMute() {
     dds::Log::Flush();
-    FewErrors::is_muted = true;
+    LimitedErrorLog::is_muted = true;
   }
-  ~Silence() {
+  ~ScopedLogMute() {
     dds::Log::Flush();
-    FewErrors::is_muted = false;
+    LimitedErrorLog::is_muted = false;
   }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
+  ScopedLogMute(const ScopedLogMute&) = delete;
+  ScopedLogMute& operator=(const ScopedLogMute&) = delete;
 };
 
 /// Sets the process-wide settings of Fast DDS.
@@ -139,7 +139,7 @@ void setUpFastDds() {
     eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
     dds::Log::SetVerbosity(dds::Log::Kind::Error);
     dds::Log::ClearConsumers();
-    dds::Log::RegisterConsumer(std::make_unique<FewErrors>());
+    dds::Log::RegisterConsumer(std::make_unique<LimitedErrorLog>());
   });
 }
 
@@ -160,7 +160,7 @@ void checkInterfaces(int domain) {
 
 /// 0, or the errno with which binding this UDP port fails. With `shared`, programs that share the port may
 /// hold it.
-int causeAgainstPort(int port, bool shared) {
+int bindErrorOf(int port, bool shared) {
   const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (probe < 0) return errno;
   const int on = shared ? 1 : 0;
@@ -177,7 +177,7 @@ int causeAgainstPort(int port, bool shared) {
 
 /// Fast DDS binds this port shared (SO_REUSEADDR). When that fails, it continues without being discoverable.
 void checkDiscoveryPort(int domain) {
-  const int cause = causeAgainstPort(discoveryPort(domain), true);
+  const int cause = bindErrorOf(discoveryPort(domain), true);
   if (cause == 0) return;
   const std::string port = "UDP port " + std::to_string(discoveryPort(domain));
   if (cause == EADDRINUSE) {
@@ -209,19 +209,21 @@ rtps::Locator_t serverLocator(const std::string& text) {
 }
 
 /// Largest number whose ports exist; Fast DDS ends the process for ports beyond.
-int lastFreshId(int domain) { return std::min(kLastFreshId, (65535 - 11 - discoveryPort(domain)) / 2); }
+int lastParticipantId(int domain) {
+  return std::min(kLastParticipantId, (65535 - 11 - discoveryPort(domain)) / 2);
+}
 
 /// After a participant was killed, the shared-memory ports of its number accept nothing for seconds.
 /// Consecutive programs therefore use different numbers. Concurrent programs do too, as their UDP ports show:
 /// Fast DDS detects a number in use only within the process.
-int32_t freshId(int domain) {
+int32_t unusedParticipantId(int domain) {
   static std::atomic<int> made{0};
-  const int numbers = lastFreshId(domain) - kFirstFreshId + 1;
+  const int numbers = lastParticipantId(domain) - kFirstParticipantId + 1;
   int32_t id = 0;
   for (int tries = 0; tries < numbers; ++tries) {
-    id = kFirstFreshId + (getpid() + made++) % numbers;
+    id = kFirstParticipantId + (getpid() + made++) % numbers;
     const int port = discoveryPort(domain) + 10 + 2 * id;
-    if (causeAgainstPort(port, false) == 0 && causeAgainstPort(port + 1, false) == 0) break;
+    if (bindErrorOf(port, false) == 0 && bindErrorOf(port + 1, false) == 0) break;
   }
   return id;
 }
@@ -259,8 +261,8 @@ dds::DomainParticipantQos participantQos(const DdsNetwork& network) {
     auto memory = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
     memory->segment_size(kSharedSegment);
     qos.transport().user_transports.push_back(memory);
-    udp->maxInitialPeersRange = static_cast<uint32_t>(lastFreshId(domain) + 1);
-    qos.wire_protocol().participant_id = freshId(domain);
+    udp->maxInitialPeersRange = static_cast<uint32_t>(lastParticipantId(domain) + 1);
+    qos.wire_protocol().participant_id = unusedParticipantId(domain);
   }
 
   if (!network.keys.empty()) secure(network.keys, qos.properties());
@@ -353,7 +355,8 @@ DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id,
   if (!keys_.empty()) checkKeyFolder(keys_);
   checkInterfaces(domain);
   checkDiscoveryPort(domain);
-  for (int tries = network.uses_shared_memory ? kFreshTries : 1; !participant_ && tries > 0; --tries) {
+  for (int tries = network.uses_shared_memory ? kParticipantIdTries : 1; !participant_ && tries > 0;
+       --tries) {
     dds::DomainParticipantQos qos = participantQos(network);
     if (role && keys_.empty()) qos.user_data().setValue(userDataOf(*role));
     participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
@@ -441,7 +444,7 @@ dds::DataWriter* DdsParticipant::createWriterIfPermitted(const TopicProfile& pro
                                                          dds::TopicDataType* type,
                                                          dds::DataWriterListener* listener) {
   if (keys_.empty()) return createWriter(profile, type, listener);
-  const Silence silence;  // a missing permission is no error here, but Fast DDS logs several
+  const ScopedLogMute silence;  // a missing permission is no error here, but Fast DDS logs several
   return makeWriter(profile, type, listener, 0);
 }
 

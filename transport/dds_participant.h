@@ -108,12 +108,12 @@ struct WriterHandlers {
 
 /// Takes every sample on arrival, in Fast DDS's thread, and passes it to a handler.
 template <class Wire>
-class TakingListener final : public eprosima::fastdds::dds::DataReaderListener {
+class SampleListener final : public eprosima::fastdds::dds::DataReaderListener {
  public:
   using Handler = std::function<void(Wire& sample, const StatusBoard::WriterId& writer)>;
   /// `handler` may swap the sample's arrays. The callbacks of `writers` may be empty. Several threads may
   /// call all of them at once: they must lock shared state, and must not call DDS while they hold a lock.
-  explicit TakingListener(Handler handler, WriterHandlers writers = {})
+  explicit SampleListener(Handler handler, WriterHandlers writers = {})
       : handler_(std::move(handler)), writers_(std::move(writers)) {}
 
   void on_data_available(eprosima::fastdds::dds::DataReader* reader) override {

@@ -17,16 +17,16 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 
-const eprosima::fastrtps::Duration_t kFarewell{1, 0};
+const eprosima::fastrtps::Duration_t kFinalAckTimeout{1, 0};
 /// Time in which a daemon that shares its groom may not have heard of participants without a role.
-constexpr std::chrono::milliseconds kSettles{1500};
+constexpr std::chrono::milliseconds kSettleTime{1500};
 /// Chunks of a show's hair per frame: some 30 MB/s at 60 frames a second.
 constexpr int kHairChunksPerFrame = 8;
 /// A claimant's writer of claims and its status are discovered in either order, within this time.
-constexpr std::chrono::milliseconds kClaimsLate{2000};
+constexpr std::chrono::milliseconds kClaimDiscoveryTime{2000};
 /// The writers of a participant are discovered within a second; one that was killed remains known for its
 /// lease of 3 s.
-constexpr std::chrono::milliseconds kUnheardTime{3500};
+constexpr std::chrono::milliseconds kWriterDiscoveryTime{3500};
 
 class DdsPublisher final : public Publisher {
  public:
@@ -34,7 +34,7 @@ class DdsPublisher final : public Publisher {
       : options_(options),
         announced_(options.groom_id, options.session, options.codec),
         command_listener_([this](v6::Command& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v6::Status& wire, const auto& writer) { hear(wire, writer); },
+        status_listener_([this](v6::Status& wire, const auto& writer) { receive(wire, writer); },
                          {.left = [this](const auto& writer) { others_.remove(writer); },
                           .disposed = [this](const auto& writer) { others_.remove(writer); }}),
         show_listener_([this](v6::ShowChunk& wire, const auto&) { receive(wire); }),
@@ -54,14 +54,14 @@ class DdsPublisher final : public Publisher {
     if (options.claim) {
       relay_ = participant_.createWriterIfPermitted(kCommandTopic, new CommandType, nullptr);
       show_writer_ = participant_.createWriter(kShowTopic, new ShowChunkType, &sharers_);
-      claim_->join(participant_, options.keys.empty() ? kSettles : kSecureRivalListenTime);
+      claim_->join(participant_, options.keys.empty() ? kSettleTime : kSecureConflictListenTime);
     }
     publishStatus({});  // so that rivals learn of this session at once
   }
 
   ~DdsPublisher() override {
     if (claim_) claim_->stop();
-    status_writer_->wait_for_acknowledgments(kFarewell);
+    status_writer_->wait_for_acknowledgments(kFinalAckTimeout);
   }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
@@ -84,7 +84,7 @@ class DdsPublisher final : public Publisher {
   void publish(const GuideFrame& frame) override {
     // Not earlier: a claim silences the casting daemon, and only now are there frames to replace its own
     if (claim_) claim_->claim();
-    if (claim_ && !takeTurn()) return;
+    if (claim_ && !updateOwnership()) return;
     sendHair();
     announced_.divide(frame, [this](GuideChunk& chunk) {
       toWire(chunk, guide_sample_);
@@ -126,19 +126,19 @@ class DdsPublisher final : public Publisher {
   bool yields() const override { return claim_ && claim_->yields(); }
 
   void withdrawClaim() override {
-    if (claim_) claim_->forgetClaims();
+    if (claim_) claim_->resetClaims();
   }
 
-  bool cannotHearDaemon() const override { return hasUnheard(kUnheardTime); }
+  bool hasUnreachableDaemonOfGroom() const override { return hasUnreachableDaemon(kWriterDiscoveryTime); }
 
-  bool takeLapse() override {
-    if (!claim_ || !claim_->hasStoodStill()) return false;
+  bool pollClaimLoss() override {
+    if (!claim_ || !claim_->hasStalled()) return false;
     if (sharers() == 0) {
-      claim_->claimAgain();
+      claim_->restartClaims();
       return false;
     }
-    claim_->joinAgain();
-    takeTurn();
+    claim_->rejoin();
+    updateOwnership();
     const std::lock_guard lock(show_mutex_);
     newest_hair_.reset();
     newest_state_.reset();
@@ -181,29 +181,30 @@ class DdsPublisher final : public Publisher {
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
   EncodingReport encoding() const override { return announced_.encoding(); }
-  std::optional<Rival> rival() const override {
-    if (!claim_) return others_.rivalOf(options_.groom_id, options_.session);
-    return others_.rivalOf(options_.groom_id, options_.session, [this](const auto& writer, auto heard) {
-      if (claim_->isClaimants(writer)) return false;
+  std::optional<ConflictingDaemon> conflict() const override {
+    if (!claim_) return others_.conflictOf(options_.groom_id, options_.session);
+    return others_.conflictOf(options_.groom_id, options_.session, [this](const auto& writer, auto heard) {
+      if (claim_->isOfClaimant(writer)) return false;
       const std::optional<DdsRole> role = neighbours_.roleOfWriter(writer);
-      return role ? !role->claims : heard > kClaimsLate;
+      return role ? !role->claims : heard > kClaimDiscoveryTime;
     });
   }
-  size_t possibleRivals() const override {
-    return neighbours_.possibleRivals(options_.groom_id, options_.claim.has_value());
+  size_t possibleConflicts() const override {
+    return neighbours_.possibleConflicts(options_.groom_id, options_.claim.has_value());
   }
   std::chrono::milliseconds listenTime() const override {
-    if (hasUnheard(std::chrono::milliseconds(0))) return kUnheardTime + kQuietListenTime;
+    if (hasUnreachableDaemon(std::chrono::milliseconds(0))) return kWriterDiscoveryTime + kShortListenTime;
     // Clients of a discovery server discover each other through its slower exchange.
-    if (possibleRivals() == 0 && options_.discovery_server.empty()) return kQuietListenTime;
-    return (options_.keys.empty() ? kRivalListenTime : kSecureRivalListenTime) *
-           (options_.claim ? kSharedListens : 1);
+    if (possibleConflicts() == 0 && options_.discovery_server.empty()) return kShortListenTime;
+    return (options_.keys.empty() ? kConflictListenTime : kSecureConflictListenTime) *
+           (options_.claim ? kSharedListenFactor : 1);
   }
 
  private:
   /// Always false over UDP: it reaches every machine, and losses are repaired.
-  bool hasUnheard(std::chrono::milliseconds time) const {
-    return options_.profile == DdsProfile::kLocal && neighbours_.hasUnheardDaemon(options_.groom_id, time);
+  bool hasUnreachableDaemon(std::chrono::milliseconds time) const {
+    return options_.profile == DdsProfile::kLocal &&
+           neighbours_.hasDaemonWithoutWriters(options_.groom_id, time);
   }
 
   void write(ShowChunk& chunk) {
@@ -231,7 +232,7 @@ class DdsPublisher final : public Publisher {
 
   /// Whether this daemon holds the claim. On a change, announces or withdraws the groom: late joiners must
   /// get that of the casting daemon only.
-  bool takeTurn() {
+  bool updateOwnership() {
     const uint64_t turn = claim_->turn();
     if (turn != announced_turn_) {
       write(turn != 0 ? shared_ : AnnouncedGroom::Chunks());
@@ -290,7 +291,7 @@ class DdsPublisher final : public Publisher {
     if (show) (has_hair ? newest_hair_ : newest_state_) = std::move(show);
   }
 
-  void hear(const v6::Status& wire, const StatusBoard::WriterId& writer) {
+  void receive(const v6::Status& wire, const StatusBoard::WriterId& writer) {
     if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
     Status status;
     fromWire(wire, status);
@@ -309,11 +310,11 @@ class DdsPublisher final : public Publisher {
   v6::GuideChunk guide_sample_;
   // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter readers_;
-  TakingListener<v6::Command> command_listener_;
-  TakingListener<v6::Status> status_listener_;
+  SampleListener<v6::Command> command_listener_;
+  SampleListener<v6::Status> status_listener_;
   MatchCounter sharers_;
   std::mutex show_mutex_;  // guards the shows received
-  TakingListener<v6::ShowChunk> show_listener_;
+  SampleListener<v6::ShowChunk> show_listener_;
   ShowAssembler state_shows_, hair_shows_;
   std::optional<Show> newest_state_, newest_hair_;
   std::deque<ShowChunk> waiting_hair_;

@@ -29,8 +29,8 @@ constexpr std::chrono::milliseconds kStandbyTime{5000};
 /// Fast DDS 2.9.1 repeats a lost handshake message only after a second. On two busy cores one program in
 /// three needs a second more, one in twelve two, one in sixty four.
 constexpr std::chrono::milliseconds kSecureAnswerTime{12000};
-const eprosima::fastrtps::Duration_t kAcknowledgmentLook{0, 50000000};
-constexpr int kPatience = 2;  // checks without a chunk; a daemon sends its status twice a second
+const eprosima::fastrtps::Duration_t kAcknowledgmentPoll{0, 50000000};
+constexpr int kMaxStarvedChecks = 2;  // checks without a chunk; a daemon sends its status twice a second
 
 class DdsSubscriber final : public ReceivingSubscriber {
  public:
@@ -83,18 +83,18 @@ class DdsSubscriber final : public ReceivingSubscriber {
     // Answers come in its status, which must therefore arrive here.
     for (const auto may_come = within(answer_time); daemons_.matched() == 0 || !status();
          std::this_thread::sleep_for(std::chrono::milliseconds(5)))
-      if (!may_come()) throw Error("no daemon answers", where, remedyOfSilence());
+      if (!may_come()) throw Error("no daemon answers", where, noAnswerRemedy());
     const std::lock_guard lock(send_mutex_);
     v6::Command sample;
     toWire(command, sample);
     sample.groom_id(options_.groom_id);
     if (!command_writer_ || !command_writer_->write(&sample))
-      throw Error("the command cannot be written", where, remedyOfSilence());
+      throw Error("the command cannot be written", where, noAnswerRemedy());
     // Waits, so that a program may end right after the call.
     const auto may_come = within(kAnswerTime);
-    while (command_writer_->wait_for_acknowledgments(kAcknowledgmentLook) !=
+    while (command_writer_->wait_for_acknowledgments(kAcknowledgmentPoll) !=
            eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
-      if (!may_come()) throw Error("the daemon does not acknowledge the command", where, remedyOfSilence());
+      if (!may_come()) throw Error("the daemon does not acknowledge the command", where, noAnswerRemedy());
   }
 
  private:
@@ -111,12 +111,12 @@ class DdsSubscriber final : public ReceivingSubscriber {
     command_writer_ = participant_->createWriterIfPermitted(kCommandTopic, new CommandType, &daemons_);
   }
 
-  std::string remedyOfSilence() const {
+  std::string noAnswerRemedy() const {
     if (!options_.keys.empty())
       return "start strandcastd, or check --domain, the groom id and the keys: a daemon refuses those of "
              "another CA, "
              "and those that are out of force or do not permit this groom";
-    if (neighbours_.strangers() > 0)
+    if (neighbours_.participantsWithoutRole() > 0)
       return "start strandcastd, or check --domain and the groom id; a program there says nothing to this "
              "one: a "
              "daemon with --profile secure answers only who has --keys";
@@ -124,7 +124,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   }
 
   /// Whether a daemon is known, but nothing from its writers arrives here.
-  bool hearsNobody() {
+  bool isUnreachable() {
     return !status() && neighbours_.hasSilentDaemon(options_.groom_id, kFindingTime, kStandbyTime);
   }
 
@@ -145,15 +145,15 @@ class DdsSubscriber final : public ReceivingSubscriber {
     int starved = 0;
     while (!wake_.wait_for(lock, kWatchPeriod, [&] { return stop_; })) {
       starved = isStarved() ? starved + 1 : 0;
-      const bool is_deaf = participant_ && hearsNobody();
-      if (participant_ && !is_deaf && starved < kPatience) continue;
+      const bool is_unreachable = participant_ && isUnreachable();
+      if (participant_ && !is_unreachable && starved < kMaxStarvedChecks) continue;
       const std::lock_guard sending(send_mutex_);
       command_writer_ = nullptr;
       participant_.reset();
       statuses_.clear();
       DdsNetwork network(options_);
       network.uses_shared_memory = false;
-      if (is_deaf)
+      if (is_unreachable)
         spdlog::info(
             "nothing comes through shared memory from the daemon of groom {}, as where it runs as another "
             "user: going on over UDP",
@@ -205,11 +205,11 @@ class DdsSubscriber final : public ReceivingSubscriber {
   // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter daemons_;
   DdsNeighbours neighbours_;
-  TakingListener<v6::GroomChunk> groom_listener_;
-  TakingListener<v6::BodyChunk> body_listener_;
-  TakingListener<v6::ColliderChunk> collider_listener_;
-  TakingListener<v6::GuideChunk> guide_listener_;
-  TakingListener<v6::Status> status_listener_;
+  SampleListener<v6::GroomChunk> groom_listener_;
+  SampleListener<v6::BodyChunk> body_listener_;
+  SampleListener<v6::ColliderChunk> collider_listener_;
+  SampleListener<v6::GuideChunk> guide_listener_;
+  SampleListener<v6::Status> status_listener_;
   std::optional<DdsParticipant> participant_;
   dds::DataWriter* command_writer_ = nullptr;
 

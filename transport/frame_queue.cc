@@ -10,7 +10,7 @@ namespace {
 constexpr size_t kFreeFrames = kFrameQueueLength + 4;
 }
 
-FramePool::Buffer FramePool::take() {
+FramePool::Buffer FramePool::acquire() {
   const std::lock_guard lock(store_->mutex);
   if (store_->free.empty()) return std::make_unique<GuideFrame>();
   Buffer frame = std::move(store_->free.back());
@@ -19,10 +19,10 @@ FramePool::Buffer FramePool::take() {
 }
 
 std::shared_ptr<const GuideFrame> FramePool::share(Buffer frame) {
-  return {frame.release(), [store = store_](GuideFrame* used) { store->giveBack(Buffer(used)); }};
+  return {frame.release(), [store = store_](GuideFrame* used) { store->release(Buffer(used)); }};
 }
 
-void FramePool::Store::giveBack(Buffer frame) {
+void FramePool::Store::release(Buffer frame) {
   const std::lock_guard lock(mutex);
   if (free.size() < kFreeFrames) free.push_back(std::move(frame));
 }

@@ -19,16 +19,16 @@ class FramePool {
   using Buffer = std::unique_ptr<GuideFrame>;
   FramePool() : store_(std::make_shared<Store>()) {}
   /// A frame with unspecified contents.
-  Buffer take();
+  Buffer acquire();
   /// Makes the frame immutable and shared; its memory returns to the pool with the last reference.
   std::shared_ptr<const GuideFrame> share(Buffer frame);
-  void giveBack(Buffer frame) { store_->giveBack(std::move(frame)); }
+  void release(Buffer frame) { store_->release(std::move(frame)); }
 
  private:
   struct Store {
     std::mutex mutex;
     std::vector<Buffer> free;
-    void giveBack(Buffer frame);
+    void release(Buffer frame);
   };
   std::shared_ptr<Store> store_;
 };

@@ -61,13 +61,13 @@ class InProcessPublisher final : public Publisher {
   void publish(const GuideFrame& frame) override {
     if (!groom_ || frame.revision != groom_->revision || frame.positions.size() != groom_->guides.vertices())
       return;
-    FramePool::Buffer copy = channel_->pool.take();
+    FramePool::Buffer copy = channel_->pool.acquire();
     *copy = frame;  // reuses the memory of a released frame
     copy->groom_id = channel_->groom_id;
     copy->arrival_time = steadyTime();
     {
       const std::lock_guard lock(channel_->mutex);
-      if (frame.frame <= channel_->newest_frame) return channel_->pool.giveBack(std::move(copy));
+      if (frame.frame <= channel_->newest_frame) return channel_->pool.release(std::move(copy));
       if (channel_->newest_frame != 0)
         channel_->statistics.frames_lost += frame.frame - channel_->newest_frame - 1;
       channel_->newest_frame = frame.frame;
@@ -93,7 +93,7 @@ class InProcessPublisher final : public Publisher {
     return channel_->has_subscriber ? 1 : 0;
   }
   EncodingReport encoding() const override { return {}; }
-  std::optional<Rival> rival() const override { return std::nullopt; }
+  std::optional<ConflictingDaemon> conflict() const override { return std::nullopt; }
 
  private:
   std::shared_ptr<Channel> channel_;

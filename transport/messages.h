@@ -141,7 +141,7 @@ struct Status {
   uint64_t last_command = 0;       ///< id of the newest command carried out or refused
   std::string last_command_error;  ///< empty when it was carried out
   ParameterTable parameters;  ///< that commands can set, with their present values, followed by the other
-                              ///< things that commands steer: toldOf()
+                              ///< things that commands steer: entriesOf()
 };
 
 }  // namespace strandcast

@@ -53,11 +53,11 @@ std::string withSpaces(std::string_view text) {
   return out;
 }
 
-bool tell(ParameterTable& table, const std::string& kind, const std::string& name,
-          const std::vector<double>& values) {
+bool appendEntry(ParameterTable& table, const std::string& kind, const std::string& name,
+                 const std::vector<double>& values) {
   const std::string told = " " + kind + ":" + withoutSpaces(name);
-  if (table.names.size() + told.size() > kMaxToldNames || table.components.size() >= kMaxToldParameters ||
-      table.values.size() + values.size() > kMaxToldValues)
+  if (table.names.size() + told.size() > kMaxTableNameBytes || table.components.size() >= kMaxTableEntries ||
+      table.values.size() + values.size() > kMaxTableValues)
     return false;
   table.names += told;
   table.components.push_back(static_cast<uint8_t>(values.size()));
@@ -65,7 +65,7 @@ bool tell(ParameterTable& table, const std::string& kind, const std::string& nam
   return true;
 }
 
-NamedValues toldOf(const ParameterTable& table, const std::string& kind) {
+NamedValues entriesOf(const ParameterTable& table, const std::string& kind) {
   NamedValues out;
   for (auto& [name, values] : namedValues(table)) {
     const size_t colon = name.find(':');
@@ -94,8 +94,8 @@ ParameterTable parameterTable(const Parameters& parameters) {
 }
 
 bool isSound(const ParameterTable& table) {
-  if (table.names.size() > kMaxToldNames || table.components.size() > kMaxToldParameters ||
-      table.values.size() > kMaxToldValues)
+  if (table.names.size() > kMaxTableNameBytes || table.components.size() > kMaxTableEntries ||
+      table.values.size() > kMaxTableValues)
     return false;
   std::vector<std::string_view> names = namesOf(table.names);
   if (names.size() != table.components.size() || !std::all_of(names.begin(), names.end(), isName))
@@ -104,7 +104,7 @@ bool isSound(const ParameterTable& table) {
   if (std::adjacent_find(names.begin(), names.end()) != names.end()) return false;
   size_t values = 0;
   for (const uint8_t components : table.components) {
-    if (components < 1 || components > kMaxToldComponents) return false;
+    if (components < 1 || components > kMaxTableComponents) return false;
     values += components;
   }
   return values == table.values.size() &&

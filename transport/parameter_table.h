@@ -13,8 +13,8 @@ namespace strandcast {
 using NamedValues = std::vector<std::pair<std::string, std::vector<double>>>;
 
 /// Limits of the parameter table of a status.
-inline constexpr size_t kMaxToldParameters = 256, kMaxToldComponents = 64, kMaxToldValues = 1024,
-                        kMaxToldNames = 8192;  // bytes
+inline constexpr size_t kMaxTableEntries = 256, kMaxTableComponents = 64, kMaxTableValues = 1024,
+                        kMaxTableNameBytes = 8192;  // bytes
 
 /// Precondition: names without spaces. Values are rounded to floats.
 ParameterTable parameterTable(const NamedValues& values);
@@ -23,17 +23,17 @@ ParameterTable parameterTable(const Parameters& parameters);
 
 /// After the parameters a table has the other things that commands steer, each named "KIND:NAME":
 /// docs/wire.md, "Status".
-inline constexpr const char *kToldSource = "fan", *kToldCollider = "collider", *kToldVoid = "void";
+inline constexpr const char *kWindSourceEntry = "fan", *kColliderEntry = "collider", *kUnusedEntry = "void";
 /// Escapes a name of any bytes but control characters for a list that spaces separate: spaces and % become
 /// %20 and %25. withSpaces() is the inverse.
 std::string withoutSpaces(const std::string& name);
 std::string withSpaces(std::string_view text);
 /// Appends an entry, its name escaped by withoutSpaces(). False, and nothing is appended, where it would
 /// exceed the limits of the wire.
-bool tell(ParameterTable& table, const std::string& kind, const std::string& name,
-          const std::vector<double>& values);
+bool appendEntry(ParameterTable& table, const std::string& kind, const std::string& name,
+                 const std::vector<double>& values);
 /// The entries of a kind, named without it; kind "" means the parameters.
-NamedValues toldOf(const ParameterTable& table, const std::string& kind);
+NamedValues entriesOf(const ParameterTable& table, const std::string& kind);
 
 /// Whether a table fits the wire: consistent counts, each name once, finite values.
 bool isSound(const ParameterTable& table);

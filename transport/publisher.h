@@ -12,31 +12,33 @@ namespace strandcast {
 
 /// How long a new daemon listens for the status of a rival where a participant is present that may be one. Of
 /// 500 starts half heard it within 35 ms, 99 % within 1 s, and the slowest after 1.1 s.
-inline constexpr std::chrono::milliseconds kRivalListenTime{3000};
+inline constexpr std::chrono::milliseconds kConflictListenTime{3000};
 /// How long it listens where no such participant has been discovered.
-inline constexpr std::chrono::milliseconds kQuietListenTime{400};
+inline constexpr std::chrono::milliseconds kShortListenTime{400};
 /// Over LCM: every daemon sends its status twice a second and answers the status of one that starts.
 inline constexpr std::chrono::milliseconds kLcmListenTime{700};
 /// With keys: Fast DDS 2.9.1 repeats a lost handshake message only after a second. Of 25 starts on a busy
 /// machine 19 heard the status within 0.7 s, and 6 after 1.3 to 1.5 s. This bound covers three losses in a
 /// row.
-inline constexpr std::chrono::milliseconds kSecureRivalListenTime{4500};
+inline constexpr std::chrono::milliseconds kSecureConflictListenTime{4500};
 
 /// Period of the status of a daemon or a replay.
 inline constexpr double kStatusInterval = 0.5;  // s
 
 /// Factor of the listen time for daemons that share a groom: a participant that is heard may still turn out
 /// to share it.
-inline constexpr int kSharedListens = 2;
+inline constexpr int kSharedListenFactor = 2;
 
 /// Another live daemon of the same groom id.
-struct Rival {
+struct ConflictingDaemon {
   uint64_t session = 0;
   bool casts = false;   ///< casts, or is about to: its status has strands
   uint64_t frames = 0;  ///< published so far
 
-  static Rival of(const Status& status) { return {status.session, status.strands > 0, status.frames}; }
-  bool operator==(const Rival&) const = default;
+  static ConflictingDaemon of(const Status& status) {
+    return {status.session, status.strands > 0, status.frames};
+  }
+  bool operator==(const ConflictingDaemon&) const = default;
 };
 
 /// Among daemons that share a groom: which one casts.
@@ -81,23 +83,23 @@ class Publisher {
   /// take the readers over. Two daemons started at once hear each other: the one with the higher session must
   /// end, and the other waits until it has ended. A rival that was killed is never heard by a daemon started
   /// after its end; one that ran before forgets it after its lease of 3 s. In-process: always empty.
-  virtual std::optional<Rival> rival() const = 0;
+  virtual std::optional<ConflictingDaemon> conflict() const = 0;
   /// How long after its creation a rival may still be heard for the first time, as known now. Over DDS:
-  /// kQuietListenTime where no participant is present that may be a rival, and no discovery server is used.
-  /// Else kRivalListenTime (with keys kSecureRivalListenTime), kSharedListens times as long where the groom
-  /// is shared. With profile `local`, 3.9 s where a daemon of the groom is known and none of its writers.
-  /// Over LCM: kLcmListenTime. In-process: 0.
+  /// kShortListenTime where no participant is present that may be a rival, and no discovery server is used.
+  /// Else kConflictListenTime (with keys kSecureConflictListenTime), kSharedListenFactor times as long where
+  /// the groom is shared. With profile `local`, 3.9 s where a daemon of the groom is known and none of its
+  /// writers. Over LCM: kLcmListenTime. In-process: 0.
   virtual std::chrono::milliseconds listenTime() const { return std::chrono::milliseconds(0); }
   /// Number of participants that may be rivals (DDS): daemons of the groom, without those that share it where
   /// this one does, and participants without a role. Otherwise 0.
-  virtual size_t possibleRivals() const { return 0; }
+  virtual size_t possibleConflicts() const { return 0; }
   /// For a daemon that shares its groom: which daemon casts. What this one publishes is sent only while it
   /// holds the claim. Its first frame is its claim: by then it has taken the show, or there is none.
   virtual CastingState castingState() const { return CastingState::kUnshared; }
   /// For a daemon that shares its groom: true, once, after it stood still so long (a suspended machine, a
   /// debugger, a hung GPU) that another daemon took the claim. It sends nothing from then on. It joins as a
   /// standby and must take the show before it publishes again.
-  virtual bool takeLapse() { return false; }
+  virtual bool pollClaimLoss() { return false; }
   /// For a daemon that shares its groom and has published no frame: whether the daemon that casts claims it
   /// with the same strength. That one came first, and this one must publish no frame as long as that one
   /// casts.
@@ -107,7 +109,7 @@ class Publisher {
   virtual void withdrawClaim() {}
   /// Whether a daemon of this groom has been known for longer than discovery of its writers takes, and none
   /// was discovered: for example through shared memory of another user (DDS, profile `local`).
-  virtual bool cannotHearDaemon() const { return false; }
+  virtual bool hasUnreachableDaemonOfGroom() const { return false; }
   /// Number of other daemons that share the groom.
   virtual size_t sharers() const { return 0; }
   /// Whether a daemon has joined since the last show with hair.

@@ -50,18 +50,19 @@ std::optional<Status> StatusBoard::ofGroom(uint32_t groom_id, uint64_t session) 
   return best ? std::optional(best->status) : std::nullopt;
 }
 
-std::optional<Rival> StatusBoard::rivalOf(uint32_t groom_id, uint64_t own, const Condition& counts) const {
+std::optional<ConflictingDaemon> StatusBoard::conflictOf(uint32_t groom_id, uint64_t own,
+                                                         const Condition& counts) const {
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
-  std::optional<Rival> strongest;
+  std::optional<ConflictingDaemon> strongest;
   for (const auto& [writer, entry] : entries_) {
     if (entry.status.groom_id != groom_id || entry.status.session == own ||
         (counts && !counts(writer, now - entry.since)))
       continue;
-    const Rival rival = Rival::of(entry.status);
+    const ConflictingDaemon conflict = ConflictingDaemon::of(entry.status);
     if (!strongest ||
-        std::pair(!rival.casts, rival.session) < std::pair(!strongest->casts, strongest->session))
-      strongest = rival;
+        std::pair(!conflict.casts, conflict.session) < std::pair(!strongest->casts, strongest->session))
+      strongest = conflict;
   }
   return strongest;
 }

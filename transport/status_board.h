@@ -31,7 +31,8 @@ class StatusBoard {
   std::optional<Status> ofGroom(uint32_t groom_id, uint64_t session) const;
   /// The rival of session `own` for this groom, as Publisher::rival(); with `counts`, only among those that
   /// satisfy it.
-  std::optional<Rival> rivalOf(uint32_t groom_id, uint64_t own, const Condition& counts = {}) const;
+  std::optional<ConflictingDaemon> conflictOf(uint32_t groom_id, uint64_t own,
+                                              const Condition& counts = {}) const;
 
  private:
   struct Entry {

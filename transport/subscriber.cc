@@ -12,7 +12,7 @@
 
 namespace strandcast {
 namespace {
-constexpr std::chrono::milliseconds kSendAgain{500}, kLook{20};
+constexpr std::chrono::milliseconds kSendAgain{500}, kPollInterval{20};
 }
 
 std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
@@ -23,13 +23,13 @@ std::optional<std::string> ask(Subscriber& subscriber, const Command& command,
       subscriber.send(command, gives_up);
       const auto end = std::chrono::steady_clock::now() + kSendAgain;
       do {
-        const std::optional<std::string> answer = subscriber.waitForAnswer(command.id, kLook);
+        const std::optional<std::string> answer = subscriber.waitForAnswer(command.id, kPollInterval);
         if (answer || gives_up()) return answer;
       } while (std::chrono::steady_clock::now() < end);
     } catch (const Error&) {
       if (!subscriber.mayCommand() || gives_up()) throw;
     }
-    std::this_thread::sleep_for(kLook);  // send() may throw at once
+    std::this_thread::sleep_for(kPollInterval);  // send() may throw at once
   }
 }
 
@@ -71,7 +71,7 @@ void moveToHead(GuideFrame& frame, const Pose& head) {
   frame.head = head;
 }
 
-void mixFrames(const GuideFrame& a, const GuideFrame& b, double time, GuideFrame& out) {
+void interpolateFrames(const GuideFrame& a, const GuideFrame& b, double time, GuideFrame& out) {
   const auto t = static_cast<float>((time - a.simulation_time) / (b.simulation_time - a.simulation_time));
   out = b;
   out.simulation_time = time;
@@ -136,8 +136,8 @@ struct FramePlayer::State {
   }
 
   Frame between(const GuideFrame& a, const GuideFrame& b, double time) {
-    FramePool::Buffer mixed = pool.take();
-    mixFrames(a, b, time, *mixed);
+    FramePool::Buffer mixed = pool.acquire();
+    interpolateFrames(a, b, time, *mixed);
     return pool.share(std::move(mixed));
   }
 
@@ -185,7 +185,7 @@ std::shared_ptr<const GuideFrame> FramePlayer::next(const std::optional<Pose>& h
   if (!frame) return nullptr;
   ++state_->statistics.pictures;
   if (!head) return frame;
-  FramePool::Buffer moved = state_->pool.take();
+  FramePool::Buffer moved = state_->pool.acquire();
   *moved = *frame;
   moveToHead(*moved, *head);
   return state_->pool.share(std::move(moved));

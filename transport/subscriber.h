@@ -120,7 +120,7 @@ struct PlayoutStatistics {
 void moveToHead(GuideFrame& frame, const Pose& head);
 /// Interpolates two frames of one revision at a time between theirs. Positions are interpolated linearly in
 /// the head's frame, the head and colliders by pose. All other fields are those of the later frame.
-void mixFrames(const GuideFrame& a, const GuideFrame& b, double time, GuideFrame& out);
+void interpolateFrames(const GuideFrame& a, const GuideFrame& b, double time, GuideFrame& out);
 
 /// Picks frames for the pictures of a renderer. Not thread-safe. `subscriber` must outlive it.
 class FramePlayer {
@@ -135,8 +135,8 @@ class FramePlayer {
   ///
   /// kSmooth estimates the offset between this machine's clock and simulation time as the least that about
   /// the last second of arrivals shows. It plays one frame interval plus the jitter (at most a second
-  /// interval) behind it, and interpolates by mixFrames(). Where no new frames arrive, it stays on the
-  /// newest.
+  /// interval) behind it, and interpolates by interpolateFrames(). Where no new frames arrive, it stays on
+  /// the newest.
   std::shared_ptr<const GuideFrame> next(
       const std::optional<Pose>& head = std::nullopt,
       std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());

@@ -262,7 +262,7 @@ std::vector<Case> windFromSphere(const Laboratory& laboratory) {
   std::unique_ptr<Wind> wind;
   const auto step = [&] {
     laboratory.checkStopped();
-    wind->takeSources({&sphere, 1});
+    wind->setSources({&sphere, 1});
     wind->advect(kStep, false);
     wind->exchange(kStep);
     wind->project();

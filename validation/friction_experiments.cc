@@ -61,7 +61,8 @@ std::vector<std::string> namesOfStickSlip() { return caseNames("stick-slip short
 
 // Presses upright rods slowly against a plane, starting slightly bent with the tip below the clamp. Returns
 // the largest displacement of each tip so far, as a fraction of the length, by friction.
-std::vector<double> waysOfTips(const Laboratory& laboratory, double shortening, const Frictions& range) {
+std::vector<double> tipDisplacements(const Laboratory& laboratory, double shortening,
+                                     const Frictions& range) {
   constexpr double kLength = 0.1, kFirst = 0.01, kSpeed = 0.005;  // m, fraction, m/s
   constexpr double kResting = 1;                                  // s
   const float floor = static_cast<float>((kFirst - 1) * kLength - kRadius);
@@ -104,7 +105,7 @@ constexpr double kSlipped = 0.02;  // fraction of the length: a tip displaced by
 
 double slipThreshold(const Laboratory& laboratory, double shortening, double truth) {
   const Frictions range{0.88 * truth, 0.008 * truth, 31};
-  const std::vector<double> ways = waysOfTips(laboratory, shortening, range);
+  const std::vector<double> ways = tipDisplacements(laboratory, shortening, range);
   return threshold(range, [&](int s) { return ways[static_cast<size_t>(s)] > kSlipped; });
 }
 
@@ -124,7 +125,8 @@ constexpr double kStickingFriction = 0.4;
 const std::string kSticking = "stick-slip friction=0.4";
 
 std::vector<Case> sticking(const Laboratory& laboratory) {
-  const double most = waysOfTips(laboratory, kPressed[std::size(kPressed) - 1], {kStickingFriction, 0, 1})[0];
+  const double most =
+      tipDisplacements(laboratory, kPressed[std::size(kPressed) - 1], {kStickingFriction, 0, 1})[0];
   return {absoluteCase({kSticking, "farthest way of the tip before line contact, % of the length", "%"},
                        100 * most, 0, 100 * kSlipped)};
 }

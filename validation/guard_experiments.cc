@@ -17,12 +17,12 @@ namespace {
 constexpr float kDrag = 5;
 
 // An abuse of hair at rest; calls `look` after every step.
-using Abuse = std::function<void(const Laboratory&, Simulation&, const std::function<void()>& look)>;
+using StressTest = std::function<void(const Laboratory&, Simulation&, const std::function<void()>& look)>;
 
 // Strands settle, are abused and settle again. Cases: numbers that are not finite at any step, and the
 // largest distance of the tips from their first rest position over the last second, mm.
-std::vector<Case> survive(const Laboratory& laboratory, const std::string& name, const Material& material,
-                          const Parameters& parameters, const Abuse& abuse) {
+std::vector<Case> stressCases(const Laboratory& laboratory, const std::string& name, const Material& material,
+                              const Parameters& parameters, const StressTest& abuse) {
   constexpr double kSettling = 6, kWatching = 1;  // s
   Simulation simulation = laboratory.simulation(
       modelOf({straightStrand(0.25, kEdges, Vec3::UnitX()), helixStrand(0.01, 0.01, 0.2, kEdges)}, material),
@@ -69,42 +69,42 @@ Material hairTimes(float stiffness) {
 }
 
 std::vector<Case> stiff(const Laboratory& laboratory) {
-  return survive(laboratory, "1000 times the stiffness", hairTimes(1000), laboratory.parameters(kRate, kDrag),
-                 shakeForThreeSeconds);
+  return stressCases(laboratory, "1000 times the stiffness", hairTimes(1000),
+                     laboratory.parameters(kRate, kDrag), shakeForThreeSeconds);
 }
 
 std::vector<Case> leap(const Laboratory& laboratory) {
-  return survive(laboratory, "leap of 1 m", {}, laboratory.parameters(kRate, kDrag),
-                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
-                   lab.advance(
-                       simulation, 1,
-                       [](double) {
-                         return Pose{Vec3(0.6f, 0.0f, 0.8f), Quat::Identity()};
-                       },
-                       look);
-                 });
+  return stressCases(laboratory, "leap of 1 m", {}, laboratory.parameters(kRate, kDrag),
+                     [](const Laboratory& lab, Simulation& simulation, const auto& look) {
+                       lab.advance(
+                           simulation, 1,
+                           [](double) {
+                             return Pose{Vec3(0.6f, 0.0f, 0.8f), Quat::Identity()};
+                           },
+                           look);
+                     });
 }
 
 std::vector<Case> timeSteps(const Laboratory& laboratory) {
-  return survive(laboratory, "changing time steps", {}, laboratory.parameters(kRate, kDrag),
-                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
-                   for (const double rate : {30, 2000, 60, 1000, 30}) {
-                     simulation.setParameters(lab.parameters(rate, kDrag));
-                     shakeFor(lab, simulation, 0.5, look);
-                   }
-                 });
+  return stressCases(laboratory, "changing time steps", {}, laboratory.parameters(kRate, kDrag),
+                     [](const Laboratory& lab, Simulation& simulation, const auto& look) {
+                       for (const double rate : {30, 2000, 60, 1000, 30}) {
+                         simulation.setParameters(lab.parameters(rate, kDrag));
+                         shakeFor(lab, simulation, 0.5, look);
+                       }
+                     });
 }
 
 std::vector<Case> substeps(const Laboratory& laboratory) {
-  return survive(laboratory, "changing substeps", {}, laboratory.parameters(kRate, kDrag),
-                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
-                   for (const int substeps : {1, 64, 2, 16, 1}) {
-                     Parameters parameters = lab.parameters(60, kDrag);
-                     parameters.substeps = substeps;
-                     simulation.setParameters(parameters);
-                     shakeFor(lab, simulation, 0.5, look);
-                   }
-                 });
+  return stressCases(laboratory, "changing substeps", {}, laboratory.parameters(kRate, kDrag),
+                     [](const Laboratory& lab, Simulation& simulation, const auto& look) {
+                       for (const int substeps : {1, 64, 2, 16, 1}) {
+                         Parameters parameters = lab.parameters(60, kDrag);
+                         parameters.substeps = substeps;
+                         simulation.setParameters(parameters);
+                         shakeFor(lab, simulation, 0.5, look);
+                       }
+                     });
 }
 
 constexpr int kConstantRates[] = {30, 60, 2000};  // steps per second
@@ -112,38 +112,39 @@ constexpr int kConstantRates[] = {30, 60, 2000};  // steps per second
 std::string nameOfRate(int rate) { return fmt::format("time step of 1/{} s", rate); }
 
 std::vector<Case> constantStep(const Laboratory& laboratory, int rate) {
-  return survive(laboratory, nameOfRate(rate), {}, laboratory.parameters(rate, kDrag), shakeForThreeSeconds);
+  return stressCases(laboratory, nameOfRate(rate), {}, laboratory.parameters(rate, kDrag),
+                     shakeForThreeSeconds);
 }
 
-std::vector<Case> mostSubsteps(const Laboratory& laboratory) {
+std::vector<Case> maxSubsteps(const Laboratory& laboratory) {
   Parameters parameters = laboratory.parameters(30, kDrag);
   parameters.substeps = 64;
-  return survive(laboratory, "64 substeps", {}, parameters, shakeForThreeSeconds);
+  return stressCases(laboratory, "64 substeps", {}, parameters, shakeForThreeSeconds);
 }
 
 std::vector<Case> shortestSubsteps(const Laboratory& laboratory) {
   Parameters parameters = laboratory.parameters(2000, kDrag);
   parameters.substeps = 64;
-  return survive(laboratory, "64 substeps of 1/2000 s", {}, parameters, shakeForThreeSeconds);
+  return stressCases(laboratory, "64 substeps of 1/2000 s", {}, parameters, shakeForThreeSeconds);
 }
 
 std::vector<Case> damped(const Laboratory& laboratory) {
   Parameters parameters = laboratory.parameters(kRate, kDrag);
   parameters.damping_time = 0.1f;  // 36 substeps
-  return survive(laboratory, "internal damping of 0.1 s", {}, parameters, shakeForThreeSeconds);
+  return stressCases(laboratory, "internal damping of 0.1 s", {}, parameters, shakeForThreeSeconds);
 }
 
 std::vector<Case> coincident(const Laboratory& laboratory) {
-  return survive(laboratory, "coincident vertices", {}, laboratory.parameters(kRate, kDrag),
-                 [](const Laboratory& lab, Simulation& simulation, const auto& look) {
-                   StrandState state = simulation.state();
-                   for (size_t v = 10; v < 20; ++v) state.positions[v] = state.positions[10];
-                   simulation.backend().upload(state);
-                   lab.advance(simulation, 1, look);
-                   for (size_t v = 0; v < state.positions.size(); ++v) state.positions[v] = Vec3::Zero();
-                   simulation.backend().upload(state);
-                   lab.advance(simulation, 1, look);
-                 });
+  return stressCases(laboratory, "coincident vertices", {}, laboratory.parameters(kRate, kDrag),
+                     [](const Laboratory& lab, Simulation& simulation, const auto& look) {
+                       StrandState state = simulation.state();
+                       for (size_t v = 10; v < 20; ++v) state.positions[v] = state.positions[10];
+                       simulation.backend().upload(state);
+                       lab.advance(simulation, 1, look);
+                       for (size_t v = 0; v < state.positions.size(); ++v) state.positions[v] = Vec3::Zero();
+                       simulation.backend().upload(state);
+                       lab.advance(simulation, 1, look);
+                     });
 }
 
 // Random lengths, shapes and stiffnesses within the range of the float solver; every second strand is a
@@ -464,7 +465,7 @@ std::vector<Case> resets(const Laboratory& laboratory) {
   state.positions[offsets[0] + 5].x() = std::numeric_limits<float>::quiet_NaN();
   state.positions[offsets[2] - 1] += Vec3(5, 0, 0);
   simulation.backend().upload(state);
-  const double count = static_cast<double>(simulation.resetBroken());
+  const double count = static_cast<double>(simulation.resetDiverged());
   const StrandState after = simulation.state();
   double off = 0, changed = 0;
   for (size_t v = 0; v < offsets[2]; ++v)
@@ -487,7 +488,7 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   for (const int rate : kConstantRates)
     add(fmt::format("steps of 1/{} s all the time, shaken", rate), nameOfRate(rate),
         [rate](const Laboratory& laboratory) { return constantStep(laboratory, rate); });
-  add("64 substeps of steps of 1/30 s all the time, shaken", "64 substeps", mostSubsteps);
+  add("64 substeps of steps of 1/30 s all the time, shaken", "64 substeps", maxSubsteps);
   add("64 substeps of steps of 1/2000 s all the time, shaken", "64 substeps of 1/2000 s", shortestSubsteps);
   add("time steps of 1/30 to 1/2000 s by turns, shaken", "changing time steps", timeSteps);
   add("1 to 64 substeps of steps of 1/60 s by turns, shaken", "changing substeps", substeps);

@@ -12,7 +12,7 @@ namespace strandcast {
 class Laboratory {
  public:
   /// Returns the air maker of the backend with this name.
-  using Air = std::function<AirMaker(const std::string& backend)>;
+  using Air = std::function<AirFactory(const std::string& backend)>;
   /// `backend` makes a backend for each simulation. `stopped` is called at every step; the experiment is
   /// aborted when it returns true.
   Laboratory(
@@ -31,7 +31,7 @@ class Laboratory {
   std::vector<Vec3> accelerations(const StrandModel& model, const StrandState& state,
                                   const Parameters& parameters) const;
   /// Air maker of the backend under test.
-  AirMaker air() const { return air_(backend_()->name()); }
+  AirFactory air() const { return air_(backend_()->name()); }
   /// Throws Stopped when the experiment is to be aborted.
   void checkStopped() const {
     if (stopped_()) throw Stopped();

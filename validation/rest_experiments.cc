@@ -118,7 +118,7 @@ std::vector<Case> sagFree(const Laboratory& laboratory) {
 }
 
 // Largest rms speed of a strand some time after a push, mm/s.
-double speedAfterAPush(const Laboratory& laboratory, StrandModel model, const Parameters& parameters) {
+double restSpeedAfterPush(const Laboratory& laboratory, StrandModel model, const Parameters& parameters) {
   constexpr double kSettling = 10;  // s
   Simulation simulation = laboratory.simulation(std::move(model), parameters);
   StrandState state = simulation.state();
@@ -142,7 +142,7 @@ std::vector<Case> helices(const Laboratory& laboratory) {
         }
   return {absoluteCase(
       {"helices come to rest", "largest rms speed of a strand", "mm/s"},
-      speedAfterAPush(laboratory, modelOf(strands, Material{}), laboratory.parameters(kRate, 2)), 0, 1)};
+      restSpeedAfterPush(laboratory, modelOf(strands, Material{}), laboratory.parameters(kRate, 2)), 0, 1)};
 }
 
 // Waves that leave their root obliquely and then hang. Rest moments hold their shape; internal damping must
@@ -171,7 +171,7 @@ std::vector<Case> damped(const Laboratory& laboratory) {
     StrandModel model = modelOf(strands, Material{});
     makeSagFree(model, parameters.gravity);
     cases.push_back(absoluteCase({namesOfDamped()[i], "largest rms speed of a strand", "mm/s"},
-                                 speedAfterAPush(laboratory, std::move(model), parameters), 0, 1));
+                                 restSpeedAfterPush(laboratory, std::move(model), parameters), 0, 1));
   }
   return cases;
 }
@@ -198,7 +198,7 @@ std::vector<Case> foldedOverRoot(const Laboratory& laboratory) {
     Parameters parameters = laboratory.parameters(60, 5);
     parameters.substeps = static_cast<int>(kSubstepsFolded[i]);
     cases.push_back(absoluteCase({namesOfFolded()[i], "largest rms speed of a strand", "mm/s"},
-                                 speedAfterAPush(laboratory, modelOf(strands, soft), parameters), 0, 1));
+                                 restSpeedAfterPush(laboratory, modelOf(strands, soft), parameters), 0, 1));
   }
   return cases;
 }

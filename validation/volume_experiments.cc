@@ -179,7 +179,7 @@ WispState carriedTogether(const Laboratory& laboratory, float stiffness) {
     const StrandState now = simulation.state();
     grid.locate(now.positions, now.velocities, Pose{});
     grid.splat();
-    grid.findForces(parameters, parameters.time_step);
+    grid.computeForces(parameters, parameters.time_step);
     double sum = 0, count = 0;
     for (size_t s = 0; s < model.strands(); ++s) {
       const uint32_t first = grid.samples().offsets[s], end = grid.samples().offsets[s + 1];

@@ -271,7 +271,7 @@ void ViewerPanel::drawLights(PanelRequests& requests) {
     ImGui::SameLine();
     return ImGui::Button(label);
   };
-  const bool add = button("add", lights.size() < kMostLights), remove = button("remove", lights.size() > 1);
+  const bool add = button("add", lights.size() < kMaxLights), remove = button("remove", lights.size() > 1);
   if (add) addLight(picture, "panel");
   if (remove) {
     lights.erase(lights.begin() + static_cast<ptrdiff_t>(picture.light));
@@ -322,7 +322,7 @@ void ViewerPanel::drawPasses(const RenderStatistics& rendered, PanelRequests& re
 void ViewerPanel::drawSlices(ViewerSession& session) {
   const bool open = ImGui::CollapsingHeader("Air");
   if (!open) {
-    if (slice_wanted_) session.askForSlice(std::nullopt);
+    if (slice_wanted_) session.requestSlice(std::nullopt);
     slice_wanted_ = false;
     return;
   }
@@ -330,7 +330,7 @@ void ViewerPanel::drawSlices(ViewerSession& session) {
   bool changed = choice("show  ", quantity, {"density", "wind", "pressure", "divergence"});
   changed |= choice("across", slice_request_.axis, {"x", "y", "z"});
   slice_request_.quantity = static_cast<AirQuantity>(quantity);
-  if (changed || !slice_wanted_) session.askForSlice(slice_request_);
+  if (changed || !slice_wanted_) session.requestSlice(slice_request_);
   slice_wanted_ = true;
   if (const auto slice = session.takeSlice()) {
     slice_.set(slice->image);

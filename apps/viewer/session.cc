@@ -31,13 +31,13 @@ ViewerSession::~ViewerSession() { stopRecording(); }
 
 std::optional<std::vector<double>> ViewerSession::parameter(const std::string& name) const {
   if (const auto sent = sent_.find(name); sent != sent_.end()) return sent->second.values;
-  if (const auto told = told_.find(name); told != told_.end()) return told->second;
+  if (const auto told = received_values_.find(name); told != received_values_.end()) return told->second;
   return std::nullopt;
 }
 
 std::vector<double> ViewerSession::usualParameter(const std::string& name) const {
-  const auto first = first_told_.find(name);
-  return first != first_told_.end() ? first->second : strandcast::parameter(Parameters(), name);
+  const auto first = initial_values_.find(name);
+  return first != initial_values_.end() ? first->second : strandcast::parameter(Parameters(), name);
 }
 
 void ViewerSession::setParameter(const std::string& name, const std::vector<double>& values) {
@@ -55,11 +55,11 @@ std::vector<CommandOutcome> ViewerSession::takeOutcomes() {
 void ViewerSession::takeParameters() {
   const std::optional<Status> status = stream_.subscriber().status();
   if (!status || status->parameters.components.empty()) return;
-  const NamedValues values = toldOf(status->parameters, "");
-  told_ = {values.begin(), values.end()};
-  if (told_by_ != status->session) {
-    told_by_ = status->session;
-    first_told_ = told_;
+  const NamedValues values = entriesOf(status->parameters, "");
+  received_values_ = {values.begin(), values.end()};
+  if (received_from_ != status->session) {
+    received_from_ = status->session;
+    initial_values_ = received_values_;
     settable_.clear();
     for (const auto& [name, components] : values) settable_.push_back(infoOf(name, components.size()));
   }
@@ -72,7 +72,7 @@ NamedValues ViewerSession::parameters() const {
   return all;
 }
 
-void ViewerSession::askForSlice(const std::optional<SliceRequest>& request) {
+void ViewerSession::requestSlice(const std::optional<SliceRequest>& request) {
   const std::lock_guard lock(mutex_);
   request_ = request;
   if (!here_) slice_problem_ = "a daemon does not publish its grids: name a --scene to simulate here";

@@ -51,7 +51,7 @@ class ViewerSession {
   NamedValues parameters() const;
 
   /// Requests slices of a simulation in this process, a few times a second, until the request is empty.
-  void askForSlice(const std::optional<SliceRequest>& request);
+  void requestSlice(const std::optional<SliceRequest>& request);
   /// The newest slice since the last call, or the reason why there is none.
   std::optional<AirSlice> takeSlice();
   std::string sliceProblem() const;
@@ -74,8 +74,8 @@ class ViewerSession {
 
   const bool here_;
   const uint32_t groom_id_;
-  uint64_t told_by_ = 0;  // session of told_
-  std::map<std::string, std::vector<double>> told_, first_told_;
+  uint64_t received_from_ = 0;  // session of received_values_
+  std::map<std::string, std::vector<double>> received_values_, initial_values_;
   std::map<std::string, Sent> sent_;
   std::vector<ParameterInfo> settable_ = parameterList();
   mutable std::mutex mutex_;  // guards the members below, except the stream

@@ -35,7 +35,7 @@ layout(std140, binding = 1) uniform Air {  // gpu_compute/air_layout.h
 air;
 
 const float kWhole = 1073741824.0;  // of air/hair_layout.h, as the next
-const float kMostHeld = 3.0;
+const float kMaxHeldCrowding = 3.0;
 
 int nodeAt(ivec3 c) { return c.x + air.cells * (c.y + air.cells * c.z); }
 int faceAt(int axis, ivec3 c) {

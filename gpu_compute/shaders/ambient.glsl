@@ -27,7 +27,7 @@ vec3 ambientAt(vec3 point) {
 const float kCone = 0.0, kSphere = 1.0;  // WindSource::Kind
 
 // Target divergence of the cell around a point, times the cell's edge, by spheres of wind, m/s.
-float wantedOutflow(vec3 point) {
+float targetDivergence(vec3 point) {
   float wanted = 0.0;
   for (int i = 0; i < air.sources; ++i)
     if (sources[i].position.w == kSphere)

@@ -11,7 +11,7 @@ layout(std430, binding = 3) buffer Contacts { vec4 contacts[]; };
 const uint kQueryPoint = 0u;
 // Two rows per plane. First: normal (0: no plane) and plane offset dot(normal, point of the plane), m. Second:
 // ContactPlane::carried and friction.
-const uint kFirstPlane = 1u, kPlaneRows = 2u, kMostPlanes = 2u;
+const uint kFirstPlane = 1u, kPlaneRows = 2u, kMaxPlanes = 2u;
 // Roots make no contact queries; their entries of the rows hold per-strand data:
 // kQueryPoint: x: for a contact-free strand, how far any body may move in the step relative to body y, m; else kNear.
 //   Between query_contacts.comp (SORTING 1) and contact_free_strands.comp, x is the strand's separation bound, m.
@@ -55,7 +55,7 @@ ContactPlane deepestPlane(uint vertex, vec3 x) {
 // For a vertex at x that has planes.
 float carried2Of(uint vertex, vec3 x, vec3 start) {
   float most = 0.0;
-  for (uint row = kFirstPlane; row < kFirstPlane + kMostPlanes * kPlaneRows; row += kPlaneRows) {
+  for (uint row = kFirstPlane; row < kFirstPlane + kMaxPlanes * kPlaneRows; row += kPlaneRows) {
     const ContactPlane own = planeOf(vertex, row, x);
     const vec3 way = (own.carried - start) * nearness(own.gap);
     most = max(most, dot(way, way));

@@ -28,7 +28,7 @@ shared uint counts[2], starts[2];
 
 // Upper bounds, m, of the motion that a body gives a point within `reach` of the root in a substep. x: its whole motion.
 // y: the part that carriedBy() leaves out: third-order terms of the rotation, and bending.
-vec2 wayOf(PlacedBody body, vec3 root, float reach) {
+vec2 motionBounds(PlacedBody body, vec3 root, float reach) {
   const float turn = length(body.turn), shift = length(body.a_motion);
   const float arm = length(root - body.a) + shift + reach, turn3 = turn * turn * turn;
   return vec2(madd(turn * madd(turn, 0.5, 1.0), arm, shift), madd(turn3 * 0.2, arm, body.bend_shift));
@@ -36,7 +36,7 @@ vec2 wayOf(PlacedBody body, vec3 root, float reach) {
 
 // `first`: the first leader body that may touch the strand, or -1. `beyond`: how far any body may move in the step
 // relative to the motion of that leader, m.
-void waysOfBodies(uint strand, out float first, out float beyond) {
+void boundBodyMotions(uint strand, out float first, out float beyond) {
   const uint root = offsets[strand];
   const vec3 start = positions[root].xyz;
   const float reach = 2.0 * strand_rest[strand].arc_length;
@@ -50,10 +50,10 @@ void waysOfBodies(uint strand, out float first, out float beyond) {
     if (is_first) first = float(leader);
     float own = kAlike;
     for (int substep = 0; substep < int(settings.substeps); ++substep) {
-      const vec2 way = wayOf(bodyAt(leader, substep), start, reach);
+      const vec2 way = motionBounds(bodyAt(leader, substep), start, reach);
       own += way.y;
       if (is_first) continue;
-      const vec2 way_of_first = wayOf(bodyAt(uint(first), substep), start, reach);
+      const vec2 way_of_first = motionBounds(bodyAt(uint(first), substep), start, reach);
       own += way.x + way_of_first.x + way_of_first.y;
     }
     beyond = max(beyond, own);
@@ -64,7 +64,7 @@ void waysOfBodies(uint strand, out float first, out float beyond) {
 bool sort(uint strand) {
   const uint own = contactRow(offsets[strand], kQueryPoint);
   float first, beyond;
-  waysOfBodies(strand, first, beyond);
+  boundBodyMotions(strand, first, beyond);
   const bool contact_free = contacts[own].x > beyond;
   contacts[own].xy = vec2(contact_free ? beyond : kNear, first);
   return contact_free;

@@ -7,26 +7,26 @@ struct ContactSet {
 };
 
 // The bodies that cover the strand's root, from which vertices near the root cannot get out. From roots.comp.
-struct Hold {
+struct RootHold {
   Cover cover;
   float arc_length;  // m, from the root to the vertex; < 0: no body holds this vertex inside in this step
 };
-Hold holdOf(uint strand, uint vertex) {
+RootHold rootHoldOf(uint strand, uint vertex) {
   const uint root = offsets[strand];
-  Hold hold = Hold(Cover(0u, 0.0, 0.0), -1.0);
+  RootHold hold = RootHold(Cover(0u, 0.0, 0.0), -1.0);
   const float way_out = contacts[contactRow(root, kQueryPoint)].w;
   if (!(way_out > 0.0)) return hold;
   float arc_length = 0.0;
   for (uint edge = root; edge < vertex && arc_length < way_out; ++edge) arc_length += edge_rest[edge].x;
   if (!(arc_length < way_out)) return hold;
   const vec4 found = contacts[contactRow(root, kCover)];
-  return Hold(Cover(uint(found.x), found.y, 0.0), arc_length);
+  return RootHold(Cover(uint(found.x), found.y, 0.0), arc_length);
 }
 
 // The query at x, of a vertex that started the substep at `start`.
 ContactSet contactsFrom(uint strand, uint vertex, vec3 x, vec3 start, int substep) {
   const float clear = clearance(velocities[vertex]);
-  const Hold hold = holdOf(strand, vertex);
+  const RootHold hold = rootHoldOf(strand, vertex);
   uvec2 range = nearRange(strand);
   ContactSet found;
   found.first = found.second = noContact(x, 0.0);

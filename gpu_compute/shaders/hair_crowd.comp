@@ -38,7 +38,7 @@ void main() {
 #else
     vec2 own = resting[sample_];
     float rest = own.y * air.rest_scale;
-    float most = largestCrowding(rest, own.x * air.alone) * air.stiffness * kMostHeld;
+    float most = largestCrowding(rest, own.x * air.alone) * air.stiffness * kMaxHeldCrowding;
     float now_held = heldCrowding(held[sample_], density, rest, air.stiffness, air.gain, most);
     held[sample_] = now_held;
     found = own.x * (crowding(density, rest, air.stiffness) + now_held) * air.crowd_scale;
@@ -48,7 +48,7 @@ void main() {
   if (found > 0.0)
     put(me, corner, vec4(found, 0, 0, 0));
   else
-    leaveOut(me);
+    discardSample(me);
   barrier();
   spread(count);
 #endif

@@ -20,7 +20,7 @@ layout(std430, binding = 8) writeonly buffer Guides { float guides[]; };   // 3 
 layout(std430, binding = 11) readonly buffer Changes { vec4 changes[]; };  // m/s
 layout(std430, binding = 12) readonly buffer Centres { vec4 centres[]; };  // m/s, at centres of the wind's cells
 
-// Vectors stored per sample: with RATES the parts of Felt, else the acceleration that they sum to.
+// Vectors stored per sample: with RATES the parts of AirForce, else the acceleration that they sum to.
 #if RATES
 #define VECTORS 3u
 #else
@@ -35,10 +35,10 @@ vec3 got(uint vector, uint sample_) {
   return vec3(of_samples[at], of_samples[at + uint(TILE_SAMPLES)], of_samples[at + 2u * uint(TILE_SAMPLES)]);
 }
 
-struct Felt {
-  vec3 pushed;    // m/s^2, by forces between hairs
-  vec3 local;     // m/s, velocity of the air less the uniform wind, which the solver applies itself
-  vec3 not_felt;  // m/s; times the drag rate: see dragNotFelt()
+struct AirForce {
+  vec3 pushed;     // m/s^2, by forces between hairs
+  vec3 local;      // m/s, velocity of the air less the uniform wind, which the solver applies itself
+  vec3 slip_drag;  // m/s; times the drag rate: see slipDragLoss()
 };
 
 #define CORNERS(of)                                                                                                        \
@@ -48,8 +48,8 @@ struct Felt {
 bool isFinite(vec3 v) { return !any(isnan(v)) && !any(isinf(v)); }
 
 // `root`: first vertex of the sample's strand.
-Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
-  Felt felt = Felt(vec3(0), vec3(0), vec3(0));
+AirForce airForceOn(SampleTile tile, uint root, uint piece, uint sample_) {
+  AirForce air_force = AirForce(vec3(0), vec3(0), vec3(0));
   vec3 at = placeOf(sample_), motion = motionOf(sample_), wind = air.uniform_wind.xyz;
   int y = air.cells, z = y * y;
 #if FORCES
@@ -58,7 +58,7 @@ Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
     int first = nodeAt(ivec3(corner.low));
     vec4 change = interpolated4(CORNERS(changes), corner.part);
     if (change.w != 0.0) change.xyz -= change.w * motion;
-    felt.pushed = change.xyz * inverse(air.seconds);
+    air_force.pushed = change.xyz * inverse(air.seconds);
   }
 #endif
 #if AIR == 2
@@ -75,30 +75,32 @@ Felt feltBy(SampleTile tile, uint root, uint piece, uint sample_) {
     if (isBlown(sources[i], place, blown)) wind += blown;
   }
 #endif
-  felt.local = wind - air.uniform_wind.xyz;
+  air_force.local = wind - air.uniform_wind.xyz;
 #if ALONG
-  felt.not_felt = dragNotFelt(wind - motion, directionOfPiece(chordOf(tile, root, piece)), 1.0, air.uniform_wind.w);
+  air_force.slip_drag = slipDragLoss(wind - motion, directionOfPiece(chordOf(tile, root, piece)), 1.0, air.uniform_wind.w);
 #endif
   // Not finite: the strand diverged or left the grid.
-  if (!isFinite(felt.pushed + felt.local + felt.not_felt)) felt = Felt(vec3(0), vec3(0), vec3(0));
-  return felt;
+  if (!isFinite(air_force.pushed + air_force.local + air_force.slip_drag)) air_force = AirForce(vec3(0), vec3(0), vec3(0));
+  return air_force;
 }
 
 // Acceleration, m/s^2, at a drag rate in 1/s.
-vec3 accelerationBy(Felt felt, float rate) { return madd(felt.local - felt.not_felt, rate, felt.pushed); }
-void keep(uint sample_, Felt felt) {
+vec3 accelerationBy(AirForce air_force, float rate) {
+  return madd(air_force.local - air_force.slip_drag, rate, air_force.pushed);
+}
+void keep(uint sample_, AirForce air_force) {
 #if RATES
-  put(0u, sample_, felt.pushed);
-  put(1u, sample_, felt.local);
-  put(2u, sample_, felt.not_felt);
+  put(0u, sample_, air_force.pushed);
+  put(1u, sample_, air_force.local);
+  put(2u, sample_, air_force.slip_drag);
 #else
-  put(0u, sample_, accelerationBy(felt, air.drag));
+  put(0u, sample_, accelerationBy(air_force, air.drag));
 #endif
 }
 // Acceleration of a stored sample for a vertex with drag `rate`, 1/s.
 vec3 accelerationOf(uint sample_, float rate) {
 #if RATES
-  return accelerationBy(Felt(got(0u, sample_), got(1u, sample_), got(2u, sample_)), rate);
+  return accelerationBy(AirForce(got(0u, sample_), got(1u, sample_), got(2u, sample_)), rate);
 #else
   return got(0u, sample_);
 #endif
@@ -127,7 +129,7 @@ void main() {
   if (me < tile.pieces * tile.strands) {
     uint strand = order[first + me] & 0xFFFFu, piece = order[first + me] >> 16u;
     keep(strand * pieces + tile.margin + piece,
-         feltBy(tile, roots[tile.first_strand + strand], tile.first_piece + piece, first + me));
+         airForceOn(tile, roots[tile.first_strand + strand], tile.first_piece + piece, first + me));
   }
   if (tile.margin > 0u) {  // the last pieces of the same strands, in the tile before
     uint pieces_before = tiles[workgroupNumber() - 1u].pieces;
@@ -135,7 +137,7 @@ void main() {
       uint from = first - uint(TILE_SAMPLES) + n, strand = order[from] & 0xFFFFu, piece = order[from] >> 16u;
       if (piece + tile.margin >= pieces_before)
         keep(strand * pieces + piece + tile.margin - pieces_before,
-             feltBy(tile, roots[tile.first_strand + strand], tile.first_piece - pieces_before + piece, from));
+             airForceOn(tile, roots[tile.first_strand + strand], tile.first_piece - pieces_before + piece, from));
     }
   }
   barrier();

@@ -44,7 +44,7 @@ void main() {
       put(me, placeAmong(at), parts[part]);
       first_nodes[me] += part * air.cells * air.cells * air.cells;
     } else {
-      leaveOut(me);
+      discardSample(me);
     }
     barrier();
     spread(count);

@@ -21,7 +21,7 @@ layout(std430, binding = 7) buffer Sums { int sums[]; };  // 4 per node, fixed p
 shared uint fastest;
 
 void main() {
-  const float kSane = 1e4;  // m/s; faster samples are taken for errors and left out
+  const float kMaxSampleSpeed = 1e4;  // m/s; faster samples are taken for errors and left out
   if (workgroupNumber() >= air.tiles) return;
   SampleTile tile = tiles[workgroupNumber()];
   if (gl_LocalInvocationIndex == 0u) fastest = 0u;
@@ -34,7 +34,7 @@ void main() {
     uvec2 at = divided(me, tile.pieces);  // strand and piece
     Sample own = sampleOf(tile, roots[tile.first_strand + at.x], tile.first_piece + at.y);
     vec3 size = abs(own.motion);
-    bool sane = size.x < kSane && size.y < kSane && size.z < kSane;
+    bool sane = size.x < kMaxSampleSpeed && size.y < kMaxSampleSpeed && size.z < kMaxSampleSpeed;
     if (sane) atomicMax(fastest, floatBitsToUint(max(size.x, max(size.y, size.z))));
 #if !MEASURE
     spots[me] = vec4(sane ? transformed(air.hair_frame, own.place) : vec3(-1), own.mass);
@@ -62,7 +62,7 @@ void main() {
   if (isInGrid(found.xyz))
     put(me, placeAmong(found.xyz), found.w * vec4(clamp(motion, vec3(-most), vec3(most)) * scale, air.mass_scale));
   else
-    leaveOut(me);
+    discardSample(me);
   barrier();
   spread(count);
   if (me == 0u) atomicMax(fastest_now, fastest);

@@ -15,7 +15,7 @@ void put(uint sample_, GridPlace corner, vec4 value) {
   for (uint number = 0u; number < NUMBERS; ++number) values[NUMBERS * sample_ + number] = value[number];
 }
 // Sets the values of a sample to 0.
-void leaveOut(uint sample_) {
+void discardSample(uint sample_) {
   spots[sample_] = vec4(0);
   first_nodes[sample_] = 0;
   for (uint number = 0u; number < NUMBERS; ++number) values[NUMBERS * sample_ + number] = 0.0;

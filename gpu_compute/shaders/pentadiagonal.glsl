@@ -32,7 +32,7 @@ vec3 symmetricNT(vec4 a, vec4 b) { return vec3(a.x * b.x + a.y * b.y, a.x * b.z 
 // Parallel cyclic reduction of the outer blocks. d: diagonal block. c: coupling to the block before; its transpose couples
 // that block to this one. f0, f1: right-hand sides of the two rows.
 void reduceBlocks(inout vec3 d, vec4 c, inout vec3 f0, inout vec3 f1) {
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     int distance = 1 << doubling;
     send_a(vec4(inverseOf(d), c.x));
     send_b(vec4(f0, c.y));

@@ -11,8 +11,8 @@
 //          1: first substep of a step whose strands contact_free_strands.comp classifies next.
 //          2: later substeps of such a step: contact-free strands are skipped.
 #define WORKGROUP 64
-#define STRANDS 8          // kStrandsPerQuery of gpu_compute/rod_strands.cc
-#define MOST_VERTICES 128  // of a strand
+#define STRANDS 8         // kStrandsPerQuery of gpu_compute/rod_strands.cc
+#define MAX_VERTICES 128  // of a strand
 layout(local_size_x = WORKGROUP) in;
 
 #include "kernels/lanes_glsl.h"
@@ -29,10 +29,10 @@ layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };       
 #include "gpu_compute/shaders/root_cover.glsl"
 #include "gpu_compute/shaders/contact_query.glsl"
 layout(location = 0) uniform int substep;
-layout(location = 1) uniform bool everyone;  // every vertex queries: the cache is of other bodies
+layout(location = 1) uniform bool query_all;  // every vertex queries: the cache is of other bodies
 
 shared vec3 jumps[STRANDS];
-shared uint due_count, due[STRANDS * MOST_VERTICES];  // strand of the workgroup x MOST_VERTICES + number in it
+shared uint due_count, due[STRANDS * MAX_VERTICES];  // strand of the workgroup x MAX_VERTICES + number in it
 #if SORTING == 1
 shared uint short_count;  // vertices whose bound does not last for the step; stored from the end of due[] down
 // Per strand, m, as bits of a float: the least boundAfterStep() of the vertices that are due, and of the others.
@@ -50,7 +50,7 @@ vec3 jumpOf(uint strand) {
               contacts[contactRow(root, kCover)].w);
 }
 // Predicted position of a vertex at the end of the substep: its inertial point.
-vec3 aheadOf(uint vertex, vec3 jump) {
+vec3 predictedPosition(uint vertex, vec3 jump) {
   return madd(velocities[vertex].xyz, settings.substep * settings.keep, positions[vertex].xyz) + jump;
 }
 
@@ -71,7 +71,7 @@ float relativeTravel(uint strand, vec3 x, vec3 start) {
 
 #if SORTING == 1
 // Predicted separation bound at the end of the step, m, of a vertex with bound `room` after the first substep, in which
-// its relative travel was `way`. Assumes up to 1.2 times that travel per substep. comesNear() in rod_contact_free.glsl
+// its relative travel was `way`. Assumes up to 1.2 times that travel per substep. mayTouchBody() in rod_contact_free.glsl
 // checks the result.
 float boundAfterStep(float room, float way) { return room - madd(1.2, float(settings.substeps) + 0.5, 1.0) * way; }
 // The same after the vertex's query, at least 0, as bits of a float; 0 for a vertex that a body presses.
@@ -86,8 +86,8 @@ uint boundAfterQuery(uint strand, uint vertex, vec3 ahead, vec3 start) {
 bool isDue(uint strand, uint own, uint vertex, vec3 jump) {
   uint found = contactRow(vertex, kQueryPoint);
   vec4 queried = contacts[found];
-  if (everyone || hasPlanes(queried)) return true;
-  vec3 start = positions[vertex].xyz, ahead = aheadOf(vertex, jump);
+  if (query_all || hasPlanes(queried)) return true;
+  vec3 start = positions[vertex].xyz, ahead = predictedPosition(vertex, jump);
   // The query's reach grows by half of the travel, so the bound falls by 1.5 times it.
   float way = relativeTravel(strand, ahead, start);
   float room = queried.w - length(start - queried.xyz) - 1.5 * way;
@@ -98,7 +98,7 @@ bool isDue(uint strand, uint own, uint vertex, vec3 jump) {
   if (left > 0.0 && contacts[vertex].xyz == vec3(0))
     atomicMin(bounds[own], floatBitsToUint(left));
   else
-    due[uint(STRANDS * MOST_VERTICES) - 1u - atomicAdd(short_count, 1u)] = own * uint(MOST_VERTICES) + vertex - offsets[strand];
+    due[uint(STRANDS * MAX_VERTICES) - 1u - atomicAdd(short_count, 1u)] = own * uint(MAX_VERTICES) + vertex - offsets[strand];
 #endif
   return false;
 }
@@ -123,12 +123,12 @@ void main() {
     const vec3 jump = jumpOf(strand);
     if (me % 32u == 0u) jumps[own] = jump;
     for (uint number = 1u + me % 32u; root + number < end; number += 32u)
-      if (isDue(strand, own, root + number, jump)) due[atomicAdd(due_count, 1u)] = own * uint(MOST_VERTICES) + number;
+      if (isDue(strand, own, root + number, jump)) due[atomicAdd(due_count, 1u)] = own * uint(MAX_VERTICES) + number;
   }
   barrier();
   for (uint at = me; at < due_count; at += uint(WORKGROUP)) {
-    const uint own = due[at] / uint(MOST_VERTICES), vertex = offsets[first + own] + due[at] % uint(MOST_VERTICES);
-    const vec3 start = positions[vertex].xyz, ahead = aheadOf(vertex, jumps[own]);
+    const uint own = due[at] / uint(MAX_VERTICES), vertex = offsets[first + own] + due[at] % uint(MAX_VERTICES);
+    const vec3 start = positions[vertex].xyz, ahead = predictedPosition(vertex, jumps[own]);
     queryContacts(first + own, vertex, ahead, start, substep);
 #if SORTING == 1
     atomicMin(bounds_due[own], boundAfterQuery(first + own, vertex, ahead, start));
@@ -137,10 +137,10 @@ void main() {
 #if SORTING == 1
   barrier();
   for (uint at = me; at < short_count; at += uint(WORKGROUP)) {
-    const uint which = due[uint(STRANDS * MOST_VERTICES) - 1u - at], own = which / uint(MOST_VERTICES);
+    const uint which = due[uint(STRANDS * MAX_VERTICES) - 1u - at], own = which / uint(MAX_VERTICES);
     if (bounds_due[own] == 0u) continue;  // the strand is near in any case
-    const uint vertex = offsets[first + own] + which % uint(MOST_VERTICES);
-    const vec3 start = positions[vertex].xyz, ahead = aheadOf(vertex, jumps[own]);
+    const uint vertex = offsets[first + own] + which % uint(MAX_VERTICES);
+    const vec3 start = positions[vertex].xyz, ahead = predictedPosition(vertex, jumps[own]);
     queryContacts(first + own, vertex, ahead, start, substep);
     atomicMin(bounds[own], boundAfterQuery(first + own, vertex, ahead, start));
   }

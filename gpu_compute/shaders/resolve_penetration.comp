@@ -52,10 +52,10 @@ vec3 rotatedOutOfBodies(uint vertex, vec3 x, vec3 inner, float edge_length) {
   return best;
 }
 
-const uint kNobody = uint(WORKGROUP);
+const uint kNoVertex = uint(WORKGROUP);
 shared vec3 places[WORKGROUP];  // m, current positions of the vertices
 shared vec3 shift;              // m, translation of the vertices after the one that was rotated out
-shared uint deepest_first;      // the first penetrating vertex, or kNobody
+shared uint deepest_first;      // the first penetrating vertex, or kNoVertex
 shared uint pinned_ones;        // one bit per vertex
 
 void resolvePenetration(uint strand) {
@@ -65,8 +65,8 @@ void resolvePenetration(uint strand) {
     const bool exists = first + me < end;
     const uint vertex = min(first + me, end - 1u);
     const vec4 edge = edge_rest[vertex - 1u], velocity = velocities[vertex];
-    const float speed_kept = abs(contacts[vertex].w);
-    const vec3 reached = positions[vertex].xyz, start = madd(velocity.xyz, -settings.substep / speed_kept, reached);
+    const float velocity_factor = abs(contacts[vertex].w);
+    const vec3 reached = positions[vertex].xyz, start = madd(velocity.xyz, -settings.substep / velocity_factor, reached);
     const bool displaced = contacts[vertex].w > 0.0, is_free = exists && edge.w > 0.0;
     if (me == 0u) pinned_ones = 0u;
     barrier();
@@ -74,12 +74,12 @@ void resolvePenetration(uint strand) {
     barrier();
     const int pinned_before = findMSB(pinned_ones & ((2u << me) - 1u));  // a pin stops the translation
     vec3 moved = is_free && pinned_before < 0 ? moved_in : vec3(0), x = reached + moved;
-    for (uint settled = 0u; settled <= kNobody;) {
+    for (uint settled = 0u; settled <= kNoVertex;) {
       bool requeries = is_free && me >= settled && (displaced || dot(moved, moved) > 0.0) && needsRequery(vertex, x);
       ContactSet found;
       if (requeries) found = contactsFrom(strand, vertex, x, start, substep);
       places[me] = x;
-      if (me == 0u) deepest_first = kNobody;
+      if (me == 0u) deepest_first = kNoVertex;
       barrier();
       if (requeries && found.first.gap < -contactSlack()) atomicMin(deepest_first, me);
       barrier();
@@ -98,7 +98,7 @@ void resolvePenetration(uint strand) {
     }
     if (exists && dot(moved, moved) > 0.0) {
       positions[vertex].xyz = x;
-      velocities[vertex].xyz = madd(moved, settings.per_substep * speed_kept, velocity.xyz);
+      velocities[vertex].xyz = madd(moved, settings.per_substep * velocity_factor, velocity.xyz);
       if (substep + 1 == int(settings.substeps)) storeGuide(vertex, x);
     }
     if (me == uint(WORKGROUP) - 1u) shift = moved;

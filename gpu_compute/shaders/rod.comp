@@ -44,8 +44,8 @@
 // Values that differ between invocations are chosen by select(), not by branches.
 #define WORKGROUP 32
 // The variant without the dense metric exists for large models only.
-#define MANY (!DENSE_METRIC)
-#if MANY
+#define MANY_STRANDS (!DENSE_METRIC)
+#if MANY_STRANDS
 #define SELECT_BY_MIX  // saves a tenth of these strands' step on an H100; slows the other variants: docs/solver.md
 #endif
 layout(local_size_x = WORKGROUP) in;
@@ -98,11 +98,11 @@ float most;
 vec3 pressing[PER_THREAD];            // contact forces, m: StrandState::contacts x substep^2
 vec3 normals[PER_THREAD], normal_in;  // contact normals of vertices in contact, else 0
 // Of this invocation's vertices, in this substep:
-bool meets;        // a body is near one, or pressed one when the substep began
-float near_body;   // greatest nearness() of a body
-float speed_kept;  // factor that velocityClamp() left on the strand's velocities
-bool lost;         // mayPenetrate()
-bool stale_cache;  // isCacheStale() of some vertex
+bool near_contact;      // a body is near one, or pressed one when the substep began
+float body_nearness;    // greatest nearness() of a body
+float velocity_factor;  // factor that velocityClamp() left on the strand's velocities
+bool lost;              // mayPenetrate()
+bool stale_cache;       // isCacheStale() of some vertex
 #define NORMAL(p) normals[p]
 #define NORMAL_IN normal_in
 #else
@@ -157,7 +157,7 @@ bool isAnchored(int p) {
 float predictEdge(int p, vec3 unit_in, vec3 otherwise) {
   float il = inverseLength(p);
   vec3 old = oldEdge(p), advance = edgeShift(p), edge = old + advance;
-  tension[p] = min(keptTension(tension[p], advance * il, bends[p], il, settings.time2), most_tension);
+  tension[p] = min(keptTension(tension[p], advance * il, bends[p], il, settings.time2), max_tension);
   float kappa_here = stiffnessOf(bends[p], il, settings.time2, freeWeight(p));
 #if STRAND_UNIFORMITY < 2
   kappa_here = select(cut_unevenly, kappa(), kappa_here);
@@ -272,7 +272,7 @@ void solveBending(out vec3 moved[PER_THREAD]) {
   // refinement.
   vec3 left[PER_THREAD] = force;
   for (int p = 0; p < PER_THREAD; ++p) moved[p] = vec3(0);
-  for (int round = 0; round < REPEATS(2); ++round) {
+  for (int round = 0; round < OPAQUE_COUNT(2); ++round) {
     solvePentadiagonal(diagonal, first, second, across, left);
     for (int p = 0; p < PER_THREAD; ++p) moved[p] += left[p];
     if (round == 1) break;
@@ -299,11 +299,11 @@ void moveByForces(out vec3 moved[PER_THREAD]) {
 #include "gpu_compute/shaders/rod_lengths.glsl"
 
 // Whether `own` holds in any invocation of the strand.
-bool ofStrand(bool own) { return strandSum(own ? 1.0 : 0.0) > 0.0; }
+bool anyInStrand(bool own) { return strandSum(own ? 1.0 : 0.0) > 0.0; }
 
 #if DENSE_METRIC || BODIES
 // Whether `own` holds for any strand of the workgroup. All invocations of a strand must pass the same value.
-bool anyStrand(bool own) {
+bool anyInWorkgroup(bool own) {
   float strands = own ? 1.0 : 0.0;
   for (uint distance = uint(THREADS); distance < uint(WORKGROUP); distance *= 2u) {
     send_d(strands);
@@ -326,15 +326,15 @@ bool anyStrand(bool own) {
 // the tridiagonal length system. Leaves lambda 0, so that applyTensions() adds nothing, and softness 0, so that the second
 // length pass uses the metric of the masses. Strands without `dense_metric` only take part in the barriers.
 void applyTensionsThroughBending(bool dense_metric) {
-  const float calm_in = dense_metric ? 0.0 : lambda_in, calm_out = dense_metric ? 0.0 : lambda_out;
-  float calm[PER_THREAD], excess[PER_THREAD], conjugate[PER_THREAD];
+  const float outer_lambda_in = dense_metric ? 0.0 : lambda_in, outer_lambda_out = dense_metric ? 0.0 : lambda_out;
+  float outer_lambda[PER_THREAD], excess[PER_THREAD], conjugate[PER_THREAD];
   float slack[PER_THREAD], lower[PER_THREAD], pivot[PER_THREAD];
   lengthRows(slack, lower, pivot);
   diagonalToSlack(slack, lower);
   float product = 0.0;
   for (int p = 0; p < PER_THREAD; ++p) {
     excess[p] = lengthResidualOf(p, dot(newEdge(p), tangent[p]));
-    calm[p] = dense_metric ? 0.0 : lambda[p];
+    outer_lambda[p] = dense_metric ? 0.0 : lambda[p];
     conjugate[p] = 0.0;
     product = madd(excess[p], lambda[p], product);
     if (dense_metric) softness[p] = 0.0;
@@ -342,14 +342,14 @@ void applyTensionsThroughBending(bool dense_metric) {
   if (dense_metric) softness_in = 0.0;
   product = strandSum(product);
   float kept = 0.0;  // coefficient of the previous search direction
-  for (int iteration = 1; iteration <= REPEATS(kTensionIterations); ++iteration) {
+  for (int iteration = 1; iteration <= OPAQUE_COUNT(kTensionIterations); ++iteration) {
     for (int p = 0; p < PER_THREAD; ++p) lambda[p] = conjugate[p] = madd(conjugate[p], kept, lambda[p]);
     send_d(lambda[0]);
     exchangeBarrier();
     lambda_out = received_d(after(1));
     swapBank();
     if (!hasAfter(1)) lambda_out = 0.0;
-    for (int p = 0; p < PER_THREAD; ++p) force[p] = isEdge(p) && weight(p) > 0.0 ? pushOn(p, 0.0) : vec3(0);
+    for (int p = 0; p < PER_THREAD; ++p) force[p] = isEdge(p) && weight(p) > 0.0 ? tensionPush(p, 0.0) : vec3(0);
     vec3 moved[PER_THREAD];
     solveBending(moved);
     for (int p = 0; p < PER_THREAD; ++p) moved[p] = weight(p) > 0.0 ? held(moved[p], NORMAL(p)) : vec3(0);
@@ -382,9 +382,9 @@ void applyTensionsThroughBending(bool dense_metric) {
     kept = conjugateStep(next, product);
     product = next;
   }
-  lambda = calm;
-  lambda_in = calm_in;
-  lambda_out = calm_out;
+  lambda = outer_lambda;
+  lambda_in = outer_lambda_in;
+  lambda_out = outer_lambda_out;
 }
 #endif
 
@@ -395,23 +395,23 @@ void applyTensionsThroughBending(bool dense_metric) {
 // After the first length pass: whether the strand needs a second one, because it needs the dense metric or a body is near.
 // DENSE_METRIC: applies the tension increments of strands that need the dense metric, or elimination. `pressed`: whether a
 // body presses the strand.
-bool needsAgain(bool pressed) {
+bool needsSecondLengthPass(bool pressed) {
   bool needs = false;
 #if STIFF
   most = strandMax(maxCorrectionStrain());
   needs = needsDenseMetric(most, correction_limit) && !taut;
   const bool eliminated = isEliminated(kappa(), most, correction_limit, pressed) || taut;
-  if (anyStrand(eliminated)) eliminateTensions(eliminated);
-  if (anyStrand(needs && !eliminated)) applyTensionsThroughBending(needs && !eliminated);
+  if (anyInWorkgroup(eliminated)) eliminateTensions(eliminated);
+  if (anyInWorkgroup(needs && !eliminated)) applyTensionsThroughBending(needs && !eliminated);
 #elif DENSE_METRIC
   most = strandMax(maxCorrectionStrain());
   needs = needsDenseMetric(most, correction_limit);
-  if (anyStrand(needs)) applyTensionsThroughBending(needs);
+  if (anyInWorkgroup(needs)) applyTensionsThroughBending(needs);
 #else
   most = max(most, maxCorrectionStrain());
 #endif
 #if BODIES
-  const bool meet = ofStrand(meets);
+  const bool meet = anyInStrand(near_contact);
   needs = needs || meet;
 #endif
   return needs;
@@ -419,7 +419,7 @@ bool needsAgain(bool pressed) {
 
 // Clears the tension increments of a strand that takes part in a second length pass only for its workgroup's barriers, so
 // that its result does not depend on the other strands. `pulled_in`: shift_in as the first pass left it, bit for bit.
-void leaveTensions(vec3 pulled_in) {
+void clearLambda(vec3 pulled_in) {
   for (int p = 0; p < PER_THREAD; ++p) lambda[p] = 0.0;
   lambda_in = lambda_out = 0.0;
   shift_in = pulled_in;
@@ -429,7 +429,7 @@ void leaveTensions(vec3 pulled_in) {
 void applyTensions() {
   for (int p = 0; p < PER_THREAD; ++p) {
     tension[p] += lambda[p];
-    shift[p] = madd(pushOn(p, softness[p]), weight(p), shift[p]);
+    shift[p] = madd(tensionPush(p, softness[p]), weight(p), shift[p]);
   }
   // The vertex before slot 0 is computed again here, which saves an exchange.
   const vec3 push_in = held(shiftByTensions(tangent_in, lambda_in, tangent[0], lambda[0], softness_in), NORMAL_IN);
@@ -445,9 +445,9 @@ uint listStrand(uint count, uint list) {
   return at;
 }
 // The same for the list of an indirect dispatch, to which every kStrands strands add a workgroup: see work[].
-void leaveStrand(uint count, uint list) {
+void deferStrand(uint count, uint list) {
   uint at = listStrand(count, list);
-  if (at % kStrands == 0u && at / kStrands < kMostWorkgroups) atomicAdd(work[count - 3u], 1u);
+  if (at % kStrands == 0u && at / kStrands < kMaxWorkgroups) atomicAdd(work[count - 3u], 1u);
 }
 
 void store() {
@@ -492,9 +492,9 @@ void stepStrands(uint list, uint first, uint count) {
 #if BODIES
     vec3 checked[PER_THREAD];  // displacements after contact, m
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
-    meets = false;
-    near_body = 0.0;
-    speed_kept = 1.0;
+    near_contact = false;
+    body_nearness = 0.0;
+    velocity_factor = 1.0;
     const bool pressed = pressThroughBending(substep, moved);
 #else
     const bool pressed = false;
@@ -506,14 +506,14 @@ void stepStrands(uint list, uint first, uint count) {
 #endif
       const vec3 pulled_in = shift_in;
       solveLengths(root);
-      if (!again) leaveTensions(pulled_in);
+      if (!again) clearLambda(pulled_in);
 #if BODIES
       if (again) checked = shift;
 #endif
-      if (pass == 0) again = needsAgain(pressed);
+      if (pass == 0) again = needsSecondLengthPass(pressed);
       applyTensions();
 #if DENSE_METRIC || BODIES
-      if (pass == 0 && !anyStrand(again)) break;
+      if (pass == 0 && !anyInWorkgroup(again)) break;
 #endif
     }
 #if BODIES
@@ -531,8 +531,8 @@ void stepStrands(uint list, uint first, uint count) {
 #endif
   bool stays = exists;
 #if BODIES && !STALE_CACHE
-  if (ofStrand(stale_cache)) {
-    if (stays && rank == 0) leaveStrand(stale_count, stale_list);
+  if (anyInStrand(stale_cache)) {
+    if (stays && rank == 0) deferStrand(stale_count, stale_list);
     stays = false;
   }
 #endif
@@ -540,26 +540,26 @@ void stepStrands(uint list, uint first, uint count) {
   bool leaves = needsDenseMetric(most, correction_limit) || taut;
 #if CONTACT_FREE
   vec4 queried[PER_THREAD];
-  leaves = comesNear(queried) || leaves;
+  leaves = mayTouchBody(queried) || leaves;
 #endif
-  if (ofStrand(leaves)) {
+  if (anyInStrand(leaves)) {
     if (stays && rank == 0) {
 #if CONTACT_FREE
       contacts[contactRow(root_vertex, kQueryPoint)].x = kNear;
-      listStrand(left_count, left_list);
+      listStrand(deferred_count, deferred_list);
 #else
-      leaveStrand(left_count, left_list);
+      deferStrand(deferred_count, deferred_list);
 #endif
     }
     stays = false;
   }
 #endif
 #if BODIES
-  if (ofStrand(lost) && stays && rank == 0) listStrand(penetrating_count, penetrating_list);
+  if (anyInStrand(lost) && stays && rank == 0) listStrand(penetrating_count, penetrating_list);
 #endif
   if (stays) store();
 #if CONTACT_FREE
-  if (stays) storeSights(queried);
+  if (stays) storeQueryPoints(queried);
 #endif
   storeGuides(stays);
 }

@@ -21,7 +21,7 @@ RootMotion knownRoot(int substep) {
   root.rotation = contacts[contactRow(root_vertex, kRootRotation)];
   root.spin = found.z;
   root.time = timeAfter(substep);
-  findSwing(root);
+  computeSwing(root);
   return root;
 }
 
@@ -39,7 +39,7 @@ void loadContacts() {
 
 void storeContacts() {
   for (int p = 0; p < PER_THREAD; ++p)
-    if (isEdge(p)) contacts[vertexOf(p)] = vec4(pressing[p] / settings.time2, displaced[p] ? speed_kept : -speed_kept);
+    if (isEdge(p)) contacts[vertexOf(p)] = vec4(pressing[p] / settings.time2, displaced[p] ? velocity_factor : -velocity_factor);
 }
 
 // Vertices with a stale contact cache query contacts again (STALE_CACHE), or have their strand listed for the variant that
@@ -83,8 +83,8 @@ bool nearBody(int p, vec3 place, out ContactPlane plane) {
   plane.friction *= strand_grooming.x;
 #endif
   const bool near = pressed || plane.gap < contactReach();
-  meets = meets || near;
-  near_body = max(near_body, nearness(plane.gap));
+  near_contact = near_contact || near;
+  body_nearness = max(body_nearness, nearness(plane.gap));
   return near;
 }
 
@@ -131,12 +131,12 @@ bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
     follows[p] = 0.0;
     if (touched) load[p] = -pressing[p];
   }
-  touches = ofStrand(touches);
-  if (!anyStrand(touches)) {
+  touches = anyInStrand(touches);
+  if (!anyInWorkgroup(touches)) {
     for (int p = 0; p < PER_THREAD; ++p) normals[p] = vec3(0);
     return false;
   }
-  for (int round = 0; round < REPEATS(kActiveSetIterations); ++round) {
+  for (int round = 0; round < OPAQUE_COUNT(kActiveSetIterations); ++round) {
     bool fixed_now[PER_THREAD];
     float fixed_bits = 0.0;
     for (int p = 0; p < PER_THREAD; ++p) {
@@ -174,7 +174,7 @@ bool pressThroughBending(int substep, vec3 moved[PER_THREAD]) {
         changed = true;
       }
     }
-    if (!anyStrand(ofStrand(changed))) break;
+    if (!anyInWorkgroup(anyInStrand(changed))) break;
   }
   for (int p = 0; p < PER_THREAD; ++p) {
     if (touches) shift[p] += way[p];

@@ -40,7 +40,7 @@ uint vertexOf(int p) { return root_vertex + uint(min(rank * PER_THREAD + p, edge
 
 // After the step: whether a body may have come within the reach of a query, which grows by half of the travel in a substep.
 // `queried`: the vertices' new kQueryPoint rows, valid if no body did.
-bool comesNear(out vec4 queried[PER_THREAD]) {
+bool mayTouchBody(out vec4 queried[PER_THREAD]) {
   const BodyMotion motion = bodyMotion(0);
   bool comes = false;
   for (int p = 0; p < PER_THREAD; ++p) {
@@ -53,7 +53,7 @@ bool comesNear(out vec4 queried[PER_THREAD]) {
   return comes;
 }
 
-void storeSights(vec4 queried[PER_THREAD]) {
+void storeQueryPoints(vec4 queried[PER_THREAD]) {
   for (int p = 0; p < PER_THREAD; ++p)
     if (isEdge(p)) contacts[contactRow(vertexOf(p), kQueryPoint)] = queried[p];
 }

@@ -29,7 +29,7 @@ void clampVelocities(float fastest, float overshot) {
     if (isEdge(p)) speed2 = max(speed2, dot(v[p], v[p]));
   const float kept = velocityClamp(sqrt(strandMax(speed2)), fastest, overshot, between_pins);
 #if BODIES
-  speed_kept = kept;
+  velocity_factor = kept;
 #endif
   for (int p = 0; p < PER_THREAD; ++p)
     if (weight(p) > 0.0) v[p] *= kept;
@@ -51,14 +51,14 @@ void finish() {
 #endif
 #if DENSE_METRIC && BODIES
   float overshot = overshoot(most, 1.0), fastest = 0.0;
-  const bool any_overshot = anyStrand(overshot > 0.0);
+  const bool any_overshot = anyInWorkgroup(overshot > 0.0);
   if (any_overshot) {
-    overshot = overshoot(most, select(between_pins, 1.0, strandMax(near_body)));
+    overshot = overshoot(most, select(between_pins, 1.0, strandMax(body_nearness)));
     fastest = fastestOfStrand(checked);
   }
 #elif DENSE_METRIC && PINNED
   const float overshot = overshoot(most, select(between_pins, 1.0, 0.0));
-  const bool any_overshot = anyStrand(overshot > 0.0);
+  const bool any_overshot = anyInWorkgroup(overshot > 0.0);
   const float fastest = any_overshot ? fastestOfStrand(shift) : 0.0;
 #endif
   vec3 along[PER_THREAD];  // displacements, less that of the vertex before slot 0 unless that is the root
@@ -89,7 +89,7 @@ void finish() {
     anchored[p] = fixed_here;
   }
 #if THREADS > 1
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     int distance = 1 << doubling;
     send_a(vec4(sum, fixed_here ? 1 : 0));
 #if PINNED

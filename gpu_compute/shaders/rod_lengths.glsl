@@ -100,7 +100,7 @@ vec3 held(vec3 push, vec3 normal) {
 }
 
 // Push of the tension increments on the vertex of slot p, in the metric with softness `soft`.
-vec3 pushOn(int p, float soft) {
+vec3 tensionPush(int p, float soft) {
   vec3 t_out = p < kLast ? tangent[min(p + 1, kLast)] : tangent_out;
   return held(shiftByTensions(tangent[p], lambda[p], t_out, p < kLast ? lambda[min(p + 1, kLast)] : lambda_out, soft), NORMAL(p));
 }

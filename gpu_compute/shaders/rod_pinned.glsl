@@ -2,7 +2,7 @@
 
 // Greatest tautness() of the strand's stretches between two pins, with the pins at the end of the step; 1 if there is none.
 // Each pin is paired with the pin before it.
-float mostTautness() {
+float maxTautness() {
   const Pose root = rootPoses(strand).end;
   float most = 1.0;
   for (int p = 0; p < PER_THREAD; ++p) {
@@ -24,7 +24,7 @@ void shareMissing(inout vec3 along[PER_THREAD], vec3 missed[PER_THREAD], float l
   for (int p = kLast; p >= 0; --p)
     if (isEdge(p) && weight(p) == 0.0) next = vec4(missed[p] / max(lengths[p], 1e-9), 1);
 #if THREADS > 1
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     const int distance = 1 << doubling;
     send_a(next);
     exchangeBarrier();

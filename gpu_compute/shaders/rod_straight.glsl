@@ -6,7 +6,7 @@ vec3 tangentBefore(int p) { return p > 0 ? tangent[max(p - 1, 0)] : tangent_in; 
 
 #if DAMPED
 vec3 swing[PER_THREAD], swing_in;  // change of tangents as vertices move to the inertial points
-void findEdgeSwing(int p) { swing[p] = alongSurface(edgeShift(p) * inverseLength(p), tangent[p]); }
+void computeEdgeSwing(int p) { swing[p] = alongSurface(edgeShift(p) * inverseLength(p), tangent[p]); }
 #endif
 
 // Predicts every edge from the inertial points; see predictEdge(). An edge without length gets the root's tangent, not its
@@ -14,7 +14,7 @@ void findEdgeSwing(int p) { swing[p] = alongSurface(edgeShift(p) * inverseLength
 void predictEdges(RootMotion root, out float blend[PER_THREAD]) {
   for (int p = 1; p < PER_THREAD; ++p) blend[p] = predictEdge(p, oldEdge(p - 1) * inverseLength(p - 1), root.tangent_old);
 #if DAMPED
-  findEdgeSwing(kLast);
+  computeEdgeSwing(kLast);
   const vec3 last = swing[kLast];
   send_d(last.z);
 #else
@@ -32,7 +32,7 @@ void predictEdges(RootMotion root, out float blend[PER_THREAD]) {
   tangent_in = select(hasBefore(1), a.xyz, root.tangent_old);
   blend[0] = predictEdge(0, select(hasBefore(1), b.xyz, root.tangent_old), root.tangent_old);
 #if DAMPED
-  for (int p = 0; p < kLast; ++p) findEdgeSwing(p);
+  for (int p = 0; p < kLast; ++p) computeEdgeSwing(p);
 #endif
 }
 
@@ -40,7 +40,7 @@ void predictEdges(RootMotion root, out float blend[PER_THREAD]) {
 // Exclusive scans: sums over the strand's invocations before this one, and over those after it.
 float sumBefore(float value) {
   float sum = value;
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     send_d(sum);
     exchangeBarrier();
     const float other = received_d(before(1 << doubling));
@@ -51,7 +51,7 @@ float sumBefore(float value) {
 }
 float sumAfter(float value) {
   float sum = value;
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     send_d(sum);
     exchangeBarrier();
     const float other = received_d(after(1 << doubling));
@@ -63,7 +63,7 @@ float sumAfter(float value) {
 
 // Moments of joints with internal damping. A scan from root to tip gives the spin that keeps edges free of twist, and so
 // the gain of strains; a scan from tip to root sums the torques of damping.
-void findMoments(vec3 strain[PER_THREAD], float spin_of_root) {
+void computeMoments(vec3 strain[PER_THREAD], float spin_of_root) {
   const float ahead = DAMPING_TIME * settings.per_substep;
   float spin[PER_THREAD], torque[PER_THREAD], sum = 0.0;
   vec3 gain[PER_THREAD];
@@ -76,17 +76,18 @@ void findMoments(vec3 strain[PER_THREAD], float spin_of_root) {
   for (int p = 0; p < PER_THREAD; ++p) {
     const float mean = spin_in + 0.5 * (spin[p] + (p > 0 ? spin[max(p - 1, 0)] : 0.0));
     gain[p] = straightGain(strain[p], tangentBefore(p), tangent[p], p > 0 ? swing[max(p - 1, 0)] : swing_in, swing[p], mean);
-    torque[p] = straightTorque(strain[p], gain[p], bends[p] * AHEAD_AT(p));
+    torque[p] = straightTorque(strain[p], gain[p], bends[p] * DAMPING_SUBSTEPS_AT(p));
     sum += torque[p];
   }
   float beyond = sumAfter(sum);
   for (int p = kLast; p >= 0; --p) {
-    moment[p] = straightMoment(strain[p], gain[p], tangentBefore(p), bends[p], bends[p] * AHEAD_AT(p), torque[p], beyond);
+    moment[p] =
+        straightMoment(strain[p], gain[p], tangentBefore(p), bends[p], bends[p] * DAMPING_SUBSTEPS_AT(p), torque[p], beyond);
     beyond += torque[p];
   }
 }
 #else
-void findMoments(vec3 strain[PER_THREAD], float spin_of_root) {
+void computeMoments(vec3 strain[PER_THREAD], float spin_of_root) {
   for (int p = 0; p < PER_THREAD; ++p) moment[p] = strain[p] * bends[p];
 }
 #endif
@@ -118,5 +119,5 @@ void solveJoints(RootMotion root, float blend[PER_THREAD]) {
   stiffness[PER_THREAD] = select(hasAfter(1), a.w, 0.0);
   stiffness[PER_THREAD + 1] = select(hasAfter(1), b.w, 0.0);
   softenVertices(margin, blend, b.xyz);
-  findMoments(strain, root.spin);
+  computeMoments(strain, root.spin);
 }

@@ -22,8 +22,8 @@ float weightAt(uint at) { return edge_rest[at].w; }
 // Indices in work[]: count and list of the strands to solve, and of those that are left to another variant.
 layout(location = 0) uniform uint own_count;
 layout(location = 1) uniform uint own_list;
-layout(location = 2) uniform uint left_count;
-layout(location = 3) uniform uint left_list;
+layout(location = 2) uniform uint deferred_count;
+layout(location = 3) uniform uint deferred_list;
 layout(location = 4) uniform int first_substep;
 layout(location = 5) uniform int end_substep;  // one past the last
 #if BODIES
@@ -35,7 +35,7 @@ layout(location = 9) uniform uint stale_list;
 layout(location = 10) uniform uint strands_in_group;
 const uint kWholeGroup = 0xFFFFFFFFu;             // value of own_count: all strands_in_group strands
 const uint kStrands = uint(WORKGROUP / THREADS);  // strands per workgroup
-const uint kMostWorkgroups = 65535u;              // in x: the limit that every driver supports
+const uint kMaxWorkgroups = 65535u;               // in x: the limit that every driver supports
 
 uint strand, root_vertex;
 StrandRest rest;
@@ -52,7 +52,7 @@ bool exists;             // false: past the last strand; works on a copy of it, 
 
 vec3 x[PER_THREAD], v[PER_THREAD];  // m, m/s
 float tension[PER_THREAD];          // m: StrandState::tensions x substep^2
-float most_tension;                 // m, bound on the warm start: tensionBound()
+float max_tension;                  // m, bound on the warm start: tensionBound()
 #if STRAIGHT
 vec4 first_frame;  // material frame of the strand's first edge
 #else
@@ -112,14 +112,14 @@ float groomedMass(uint at, float own) { return madd(own, settings.time2 / time2O
 #define KEEP_IN settings.keep
 #define DAMPING_TIME settings.damping_time
 #endif
-// DAMPING_TIME_AT: damping time of the joint of slot p, s. AHEAD_AT: the same in substeps; `ahead`: that of all joints.
+// DAMPING_TIME_AT: damping time of the joint of slot p, s. DAMPING_SUBSTEPS_AT: the same in substeps; `ahead`: that of all joints.
 #if GROOMED == 2 && DAMPED
 float damping_times[PER_THREAD];
 #define DAMPING_TIME_AT(p) damping_times[p]
-#define AHEAD_AT(p) (damping_times[p] * settings.per_substep)
+#define DAMPING_SUBSTEPS_AT(p) (damping_times[p] * settings.per_substep)
 #else
 #define DAMPING_TIME_AT(p) DAMPING_TIME
-#define AHEAD_AT(p) ahead
+#define DAMPING_SUBSTEPS_AT(p) ahead
 #endif
 
 // Greatest stiffness ratio of the strand's edges, see stiffnessOf().
@@ -190,7 +190,7 @@ float inverseLengthOut() { return inverse_length_out; }
 #endif
 
 // Upper bound of the acceleration of the strand's vertices by wind and external accelerations, m/s^2.
-float drivenByAir() {
+float airAccelerationBound() {
   const float wind = length(settings.wind.xyz) * settings.air_drag;
 #if GROOMED || ACCELERATED
   float driven = 0.0;
@@ -212,14 +212,14 @@ float drivenByAir() {
 }
 
 #if PINNED
-float mostTautness();  // shaders/rod_pinned.glsl
+float maxTautness();  // shaders/rod_pinned.glsl
 #else
-float mostTautness() { return 1.0; }
+float maxTautness() { return 1.0; }
 #endif
 
 // Loads the strand of this invocation; arguments as of stepStrands().
 void loadStrand(uint list, uint first, uint count) {
-  placeInvocation();
+  initInvocation();
   uint number = first + me / uint(THREADS);
   exists = number < count;
   strand = work[list + min(number, count - 1u)];
@@ -298,9 +298,9 @@ void loadStrand(uint list, uint first, uint count) {
   keep_in = keepOf(at);
   strand_grooming = grooming[root_vertex].xy;
 #endif
-  const float most_taut = mostTautness(), driven = most_taut * (length(settings.gravity.xyz) + drivenByAir());
-  taut = isTaut(most_taut);
-  most_tension = tensionBound(rest.free_mass, rest.arc_length, driven, settings.time2);
+  const float max_tautness = maxTautness(), driven = max_tautness * (length(settings.gravity.xyz) + airAccelerationBound());
+  taut = isTaut(max_tautness);
+  max_tension = tensionBound(rest.free_mass, rest.arc_length, driven, settings.time2);
 }
 
 // Entry of positions[] for the vertex of slot p.
@@ -378,7 +378,7 @@ const uint kGuideRow = uint(THREADS * PER_THREAD + 1) * 3u;
 shared float together[kStrands * kGuideRow];
 shared uint guides_from[kStrands], guide_numbers[kStrands];
 
-void putTogether(uint slot, vec3 position) {
+void storeContiguous(uint slot, vec3 position) {
   const uint at = me / uint(THREADS) * kGuideRow + 3u * slot;
   together[at] = position.x;
   together[at + 1u] = position.y;
@@ -389,9 +389,9 @@ void storeGuides(bool stays) {
   if (rank == 0) {
     guides_from[own] = 3u * root_vertex;
     guide_numbers[own] = stays ? 3u * uint(edges + 1) : 0u;
-    putTogether(0u, x_in);
+    storeContiguous(0u, x_in);
   }
-  for (int p = 0; p < PER_THREAD; ++p) putTogether(uint(rank * PER_THREAD + p) + 1u, x[p]);
+  for (int p = 0; p < PER_THREAD; ++p) storeContiguous(uint(rank * PER_THREAD + p) + 1u, x[p]);
   barrier();
   for (uint s = 0u; s < kStrands; ++s)
     for (uint i = me; i < guide_numbers[s]; i += uint(WORKGROUP)) guides[guides_from[s] + i] = together[s * kGuideRow + i];

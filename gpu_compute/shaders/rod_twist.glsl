@@ -65,8 +65,8 @@ void solveJoints(RootMotion root, float blend[PER_THREAD]) {
 #if DAMPED
     vec3 turned = edgeTurning(p);
     gained[p] = gainedStrain(strain[p], turned_before, turned);
-    coupling += twistOfDamping(strain[p], bends[p], AHEAD_AT(p));
-    shear += torqueDifference(strain[p], gained[p] * AHEAD_AT(p), bends[p]);
+    coupling += twistOfDamping(strain[p], bends[p], DAMPING_SUBSTEPS_AT(p));
+    shear += torqueDifference(strain[p], gained[p] * DAMPING_SUBSTEPS_AT(p), bends[p]);
     turned_before = turned;
 #endif
     float own = twist(p) + coupling, torque = madd(twist(p), excess.z, shear);
@@ -114,7 +114,7 @@ void solveJoints(RootMotion root, float blend[PER_THREAD]) {
     strain[p] = twistedStrain(untwisted, turn_in, turn[p]);
     vec3 excess = strain[p] - rest_strain[p];
 #if DAMPED
-    excess = dampedExcess(excess, gained[p], untwisted, strain[p], AHEAD_AT(p));
+    excess = dampedExcess(excess, gained[p], untwisted, strain[p], DAMPING_SUBSTEPS_AT(p));
 #endif
     moment[p] = jointMoment(inner, strain[p], excess, bends[p], twist(p));
     inner = frame[p] = twistFrame(frame[p], turn[p]);

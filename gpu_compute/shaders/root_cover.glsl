@@ -22,7 +22,7 @@ Cover coverOf(uint strand, vec3 start, vec3 end, float clear, float first_edge, 
     const float ways = 1.1 * way * float(settings.substeps);
     if (length(end - body.middle) - body.ball > clear + ways) continue;
     vec3 normal;
-    const float depth = clear - surfaceAt(body, end, pushedByNothing(), normal);
+    const float depth = clear - surfaceAt(body, end, noClearance(), normal);
     cover.most = max(cover.most, depth + ways);
     if (!(exitArcLength(depth) > first_edge)) continue;
     cover.bodies |= coverBit(i - range.x);

@@ -12,7 +12,7 @@ struct RootMotion {
 };
 
 // Computes `swing` and `inner_frame` from `rotation` and `tangent_old`.
-void findSwing(inout RootMotion root) {
+void computeSwing(inout RootMotion root) {
   const vec3 tangent = frameTangent(root.rotation);
   root.swing = tangent - root.tangent_old;
   root.inner_frame = multiply(rotationBetween(tangent, root.tangent_old), root.rotation);
@@ -32,7 +32,7 @@ RootMotion motionOfRoot(RootPoses poses, int substep, int done, vec3 start, vec3
   root.rotation = interpolateRotation(begin.rotation, end.rotation, root.time);
   const vec4 old = substep > 0 ? interpolateRotation(begin.rotation, end.rotation, timeAfter(substep - 1)) : begin.rotation;
   root.tangent_old = frameTangent(old);
-  findSwing(root);
+  computeSwing(root);
   root.spin = spinBetween(old, root.inner_frame);
   return root;
 }

@@ -2,7 +2,7 @@
 // variants: SHAPE_KINDS=0 | SHAPE_KINDS=1 | SHAPE_KINDS=2
 // Motion of the roots in a substep, and the bodies that cover them. The first pass of a substep among bodies.
 // Reads: poses of bones, positions and velocities of roots, bodies.
-// Writes: the roots' rows of the contact cache, for the later passes of the substep: holdOf() of contact_query.glsl,
+// Writes: the roots' rows of the contact cache, for the later passes of the substep: rootHoldOf() of contact_query.glsl,
 // knownRoot() of rod_contact.glsl.
 // One invocation per strand. After the first substep, roots that no body can cover in the step skip the cover test.
 // SHAPE_KINDS: 0 to 2, see bodies.glsl.

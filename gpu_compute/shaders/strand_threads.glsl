@@ -65,7 +65,7 @@ uint after(int distance) { return distance == 1 ? tipward : rank + distance < TH
 bool hasBefore(int distance) { return distance == 1 ? has_rootward : rank >= distance; }
 bool hasAfter(int distance) { return distance == 1 ? has_tipward : rank + distance < THREADS; }
 
-void placeInvocation() {
+void initInvocation() {
 #if SHUFFLED
   me = gl_SubgroupInvocationID;
 #else
@@ -80,32 +80,32 @@ void placeInvocation() {
 }
 
 // Trip count of a loop that contains an exchange, hidden from the compiler to prevent unrolling in two cases. With barriers
-// Mesa's llvmpipe splits a program at each barrier, in time that grows with the square of their number. With MANY strands
+// Mesa's llvmpipe splits a program at each barrier, in time that grows with the square of their number. With MANY_STRANDS strands
 // a GPU is full, and program length costs more than the latency of one strand.
-#if SHUFFLED && !MANY
-#define REPEATS(number) (number)
+#if SHUFFLED && !MANY_STRANDS
+#define OPAQUE_COUNT(number) (number)
 #else
-#define REPEATS(number) (settings.substeps > 0u ? (number) : 0)
+#define OPAQUE_COUNT(number) (settings.substeps > 0u ? (number) : 0)
 #endif
 
 // log2(THREADS): rounds of a scan or reduction over the strand's invocations.
 #if THREADS == 1
-const int kDoublings = 0;
+const int kReductionRounds = 0;
 #elif THREADS == 2
-const int kDoublings = 1;
+const int kReductionRounds = 1;
 #elif THREADS == 4
-const int kDoublings = 2;
+const int kReductionRounds = 2;
 #elif THREADS == 8
-const int kDoublings = 3;
+const int kReductionRounds = 3;
 #elif THREADS == 16
-const int kDoublings = 4;
+const int kReductionRounds = 4;
 #else
-const int kDoublings = 5;
+const int kReductionRounds = 5;
 #endif
 
 // The maximum over the strand's invocations, in each of them.
 float strandMax(float value) {
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     send_d(value);
     exchangeBarrier();
     value = max(value, received_d(me ^ (1u << doubling)));
@@ -115,7 +115,7 @@ float strandMax(float value) {
 }
 // The sum over the strand's invocations, the same bits in each of them.
 float strandSum(float value) {
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     send_d(value);
     exchangeBarrier();
     value += received_d(me ^ (1u << doubling));

@@ -46,7 +46,7 @@ float solveChain(float diagonal[PER_THREAD], float lower[PER_THREAD], inout floa
   own += folded.x;
   solved += folded.y;
   float up = folded.z;  // what couples this row to the one after
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     int distance = 1 << doubling;
     send_a(vec4(coupling, up, 1.0 / max(own, least), solved));
     exchangeBarrier();
@@ -100,7 +100,7 @@ float solveTridiagonal(float slacks[PER_THREAD], float lower[PER_THREAD], float 
   slack += folded.x;
   solved += folded.y;
   float up = folded.z;  // what couples this row to the one after
-  for (int doubling = 0; doubling < REPEATS(kDoublings); ++doubling) {
+  for (int doubling = 0; doubling < OPAQUE_COUNT(kReductionRounds); ++doubling) {
     int distance = 1 << doubling;
     float inverse = 1.0 / max(slack + abs(coupling) + abs(up), least);
     send_a(vec4(coupling, up, inverse, solved));

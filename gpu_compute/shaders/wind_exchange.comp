@@ -56,7 +56,7 @@ void main() {
     if (sources[i].position.w != kSphere && isBlown(sources[i], x, velocity))
       sum += vec4(velocity, 1) * (sources[i].direction.w * air.seconds);
   }
-  if (air.spheres != 0) sum.w += sphereExchange(wantedOutflow(x), air.courant);
+  if (air.spheres != 0) sum.w += sphereExchange(targetDivergence(x), air.courant);
   exchange[nodeAt(c)] = sum;
 #if HAIR == 2
   for (int part = 0; part < 2; ++part) slip[2 * nodeAt(c) + part] = slips[part];

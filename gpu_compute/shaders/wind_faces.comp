@@ -20,7 +20,7 @@ layout(std430, binding = 4) writeonly buffer Rights { float rights[]; };
 layout(std430, binding = 15) buffer Solve { uint fastest; }
 solve;
 
-const float kLeastOfFace = 1.0 / 6.0;  // air/wind.h
+const float kMinFaceShare = 1.0 / 6.0;  // air/wind.h
 shared uint largest;
 
 // x: velocity of a face, m/s; y: 1 if it is open, else 0.
@@ -68,9 +68,9 @@ void main() {
     float flow = outflow(low[0].x, high[0].x, low[1].x, high[1].x, low[2].x, high[2].x);
     float wanted = 0.0;
 #if SPHERES
-    if (bits != 0u) wanted = wantedOutflow(air.wind_box.xyz + (vec3(c) + 0.5) * air.wind_box.w);
+    if (bits != 0u) wanted = targetDivergence(air.wind_box.xyz + (vec3(c) + 0.5) * air.wind_box.w);
     if (wanted != 0.0 && !seesBorder(c)) wanted = 0.0;
-    size = max(size, kLeastOfFace * abs(wanted));
+    size = max(size, kMinFaceShare * abs(wanted));
 #endif
     rights[nodeAt(c)] = bits != 0u ? wanted - flow : 0.0;
     masks[nodeAt(c)] = bits | (solids[nodeAt(c)].w > 0.0 ? 64u : 0u);

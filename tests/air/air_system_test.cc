@@ -341,7 +341,7 @@ TEST(WindSource, GoesBetweenTwoAndEndsAtTheSecond) {
   checkWindSource(half, "test");
   EXPECT_EQ(between(from, to, 1).direction, to.direction);
   WindSource taken = from;
-  take(taken, to, kSourcePosition);
+  copyParts(taken, to, kSourcePosition);
   EXPECT_EQ(taken.position, to.position);
   EXPECT_EQ(taken.speed, from.speed);
 }
@@ -372,7 +372,7 @@ TEST(AirSystem, StayInTheirPlaceWhenTheOriginFollowsTheHead) {
         simulation->step();
       }
       const Vec3 before = follows.origin();
-      EXPECT_EQ(follows.resetBroken(), 0u);
+      EXPECT_EQ(follows.resetDiverged(), 0u);
       if (follows.origin() != before) ++origins;
       const std::span<const Vec3> at = follows.guides(), truth = stays.guides();
       for (size_t v = 0; v < at.size(); ++v) off = std::max<double>(off, (at[v] - truth[v]).norm());
@@ -392,7 +392,7 @@ TEST(AirSystem, StayInTheirPlaceWhenTheOriginFollowsTheHead) {
     for (int step = 140; step < 840; step += step < 800 ? 8 : 1) {
       follows.setHeadPose({static_cast<float>(std::min(step, 800)) * pace, Quat::Identity()});
       follows.step();
-      EXPECT_EQ(follows.resetBroken(), 0u);
+      EXPECT_EQ(follows.resetDiverged(), 0u);
     }
     EXPECT_LT(follows.measure().max_stretch, 1e-4);
   }

@@ -96,7 +96,7 @@ TEST(HairGrid, AnyNumberOfThreadsGivesTheSameBits) {
     HairGrid<float> grid(simdPasses(), workers, hair.model, 32, restBox(hair.model));
     grid.locate(hair.state.positions, hair.state.velocities, Pose{});
     grid.splat();
-    grid.findForces(hair.parameters(), 1.0 / 60);
+    grid.computeForces(hair.parameters(), 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
     if (threads == 1) {
@@ -115,7 +115,7 @@ TEST(HairGrid, LanesAndDoublesAgree) {
     using Scalar = std::remove_reference_t<decltype(*grid.nodes())>;
     grid.locate(hair.state.positions, hair.state.velocities, Pose{});
     grid.splat();
-    grid.findForces(hair.parameters(), 1.0 / 60);
+    grid.computeForces(hair.parameters(), 1.0 / 60);
     std::vector<std::remove_const_t<Scalar>> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
     return std::vector<double>(changes.begin(), changes.end());
@@ -149,7 +149,7 @@ TEST(HairGrid, HairAtRestFeelsNothingWhereverTheHeadIs) {
       for (Vec3& p : positions) p = head.apply(p);
     grid.locate(positions, still, moved ? head : Pose{});
     grid.splat();
-    grid.findForces(parameters, 1.0 / 60);
+    grid.computeForces(parameters, 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
     for (const float change : changes) EXPECT_LE(std::fabs(change), moved ? 1e-4f : 0.0f);
@@ -173,7 +173,7 @@ TEST(HairGrid, WhereHairWasBeforeLeavesNoTrace) {
   auto changes = [&](HairGrid<float>& grid, const Parameters& parameters, float part, float shift) {
     grid.locate(squeezed(part, shift), hair.state.velocities, Pose{});
     grid.splat();
-    grid.findForces(parameters, 1.0 / 60);
+    grid.computeForces(parameters, 1.0 / 60);
     std::vector<float> out(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), out.data());
     return out;
@@ -203,7 +203,7 @@ TEST(HairGrid, SqueezedHairIsPushedApartAndNoMomentumIsMade) {
     (friction ? parameters.volume_stiffness : parameters.hair_friction) = 0;
     grid.locate(squeezed, hair.state.velocities, Pose{});
     grid.splat();
-    grid.findForces(parameters, 1.0 / 60);
+    grid.computeForces(parameters, 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -235,7 +235,7 @@ TEST(HairGrid, WhatStaysCrowdedIsPushedHarderUntilReset) {
   auto push = [&] {
     grid.locate(squeezed, hair.state.velocities, Pose{});
     grid.splat();
-    grid.findForces(parameters, 1.0 / 60);
+    grid.computeForces(parameters, 1.0 / 60);
     std::vector<float> changes(4 * grid.samples().samples.size());
     grid.changes(0, grid.samples().samples.size(), changes.data());
     double sum = 0;
@@ -265,7 +265,7 @@ TEST(HairGrid, StrandsThatWentWrongAreLeftOut) {
   velocities[120] = Vec3::Constant(std::nanf(""));
   grid.locate(positions, velocities, Pose{});
   grid.splat();
-  grid.findForces(hair.parameters(), 1.0 / 60);
+  grid.computeForces(hair.parameters(), 1.0 / 60);
   std::vector<float> changes(4 * grid.samples().samples.size());
   grid.changes(0, grid.samples().samples.size(), changes.data());
   size_t wrong = 0;

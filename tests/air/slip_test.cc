@@ -53,7 +53,7 @@ template <class Scalar>
 void expectExactInABlock(const GridPasses<Scalar>& passes, double tolerance) {
   const Workers workers(2);
   WindGrid<Scalar> grid(passes, workers, 32, 0.02f, Wind::Border::kOpen);
-  grid.expectSlip();
+  grid.reserveSlip();
   const Vector hair(0.4, -0.2, 0.3), wind(3, 1, -2), direction = Vector(2, -1, 1).normalized();
   constexpr double kDensity = 0.8, kRate = 40, kLess = 0.7;
   const GridShape shape{32};
@@ -140,7 +140,7 @@ template <class Scalar>
 std::vector<double> slipOf(const GridPasses<Scalar>& passes, int threads, const Urchin& urchin) {
   const Workers workers(threads);
   HairGrid<Scalar> grid(passes, workers, urchin.model, 32, restBox(urchin.model));
-  grid.expectSlip();
+  grid.reserveSlip();
   std::vector<double> out;
   for (int step = 0; step < 2; ++step) {
     grid.locate(urchin.state.positions, urchin.state.velocities, Pose{});

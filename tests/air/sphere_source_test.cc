@@ -41,7 +41,7 @@ std::vector<Vec3> directions() {
 PressureReport blow(Grid& grid, const std::vector<WindSource>& sources, int steps = 1) {
   PressureReport report;
   for (int step = 0; step < steps; ++step) {
-    grid.takeSources(sources);
+    grid.setSources(sources);
     grid.advect(kTimeStep, false);
     grid.exchange(kTimeStep);
     report = grid.project();
@@ -224,7 +224,7 @@ TEST(SphereSource, WhatIsLeftIsOfWhatItWants) {
   blow(grid, {sphere(Vec3::Zero(), 0.1f, 3)});
   EXPECT_LT(grid.largestOutflow(), 1e-3 * grid.fastest());
   const std::vector<WindSource> other{sphere(Vec3::Zero(), 0.1f, 6)};
-  grid.takeSources(other);
+  grid.setSources(other);
   EXPECT_GT(grid.largestOutflow(), 0.1 * grid.fastest()) << "not yet there";
 }
 

@@ -196,7 +196,7 @@ TEST(WindGrid, SourcesDriveTheAir) {
     Grid grid(simdPasses(), workers, 32, 0.025f, Grid::Border::kOpen);
     grid.centreAt(Vec3::Zero());
     grid.reset();
-    grid.takeSources({&source, 1});
+    grid.setSources({&source, 1});
     for (int step = 0; step < 60; ++step) {
       grid.advect(kStep, false);
       grid.exchange(kStep);
@@ -222,7 +222,7 @@ TEST(WindGrid, AThinTurbineBlowsWhereverItIsInACell) {
     Grid grid(simdPasses(), workers, 32, cell, Grid::Border::kOpen);
     grid.centreAt(Vec3::Zero());
     grid.reset();
-    grid.takeSources({&thin, 1});
+    grid.setSources({&thin, 1});
     for (int step = 0; step < 60; ++step) {
       grid.advect(kStep, false);
       grid.exchange(kStep);
@@ -246,7 +246,7 @@ TEST(WindGrid, ASourceThatMovedAwayDrivesNothingAnyMore) {
     source.direction = Vec3::UnitX();
     for (const float y : {0.2f, -0.2f}) {
       source.position = Vec3(0, y, 0);
-      grid.takeSources({&source, 1});
+      grid.setSources({&source, 1});
       grid.reset();
       grid.exchange(kStep);
       if (kind == WindSource::Kind::kSphere) grid.project();

@@ -158,9 +158,9 @@ TEST_F(CastingPrograms, DaemonCastsToARendererAndObeys) {
   EXPECT_NE(run(program_ + " ctl status" + network).out.find("    wind               3 0 0 m/s\n"),
             std::string::npos);
 
-  const Outcome rival = run(daemon_ + " --scene straight --strands 20 --quiet" + network);
-  EXPECT_EQ(rival.exit_code, 2);
-  EXPECT_NE(rival.err.find("another daemon"), std::string::npos) << rival.err;
+  const Outcome conflict = run(daemon_ + " --scene straight --strands 20 --quiet" + network);
+  EXPECT_EQ(conflict.exit_code, 2);
+  EXPECT_NE(conflict.err.find("another daemon"), std::string::npos) << conflict.err;
 
   const Outcome drawn =
       run(program_ + " render --json --frames 3 --width 160 --height 120 --hairs 2000 --out " +

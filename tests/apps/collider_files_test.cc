@@ -151,7 +151,7 @@ class DaemonColliderFiles : public DaemonFixture {
     return subscriber_->waitForAnswer(command, std::chrono::milliseconds(0));
   }
   /// Waits for the answer, casting frames meanwhile.
-  std::string answerInTheEnd(uint64_t command) {
+  std::string finalAnswer(uint64_t command) {
     for (int i = 0; i < 3000; ++i) {
       cast(1);
       if (const auto answer = answerTo(command)) return *answer;
@@ -159,7 +159,7 @@ class DaemonColliderFiles : public DaemonFixture {
     }
     return "no answer";
   }
-  std::string add(const ColliderFile& collider) { return answerInTheEnd(send(collider)); }
+  std::string add(const ColliderFile& collider) { return finalAnswer(send(collider)); }
   std::string command(CommandKind kind, const std::string& name, std::vector<double> values = {}) {
     return order(kind, std::move(values), name);
   }
@@ -234,7 +234,7 @@ TEST_F(DaemonColliderFiles, KeepHairOutAndAreMoved) {
     ColliderFile ball = of("ball", kind == PrimitiveKind::kConvex ? "pebble.obj" : "ball.obj", kind);
     ball.pose.position = 3 * place;
     ASSERT_EQ(add(ball), "");
-    const NamedValues told = toldOf(subscriber_->status()->parameters, kToldCollider);
+    const NamedValues told = entriesOf(subscriber_->status()->parameters, kColliderEntry);
     ASSERT_EQ(told.size(), 1u);
     EXPECT_EQ(told[0].first, "ball");
     cast(60);
@@ -271,7 +271,7 @@ TEST_F(DaemonColliderFiles, FramesGoOnWhileTheyAreMade) {
   EXPECT_GE(subscriber_->frame()->frame, frame + 30);
   EXPECT_FALSE(answerTo(long_bake));
   EXPECT_EQ(command(CommandKind::kRemoveCollider, "slow"), "");
-  EXPECT_NE(answerInTheEnd(long_bake).find("removed meanwhile"), std::string::npos);
+  EXPECT_NE(finalAnswer(long_bake).find("removed meanwhile"), std::string::npos);
   EXPECT_EQ(colliders(), scene_bodies_ + 1);
   EXPECT_NE(command(CommandKind::kRemoveCollider, "slow").find("unknown collider"), std::string::npos);
   EXPECT_EQ(add(of("slow", "cube.obj", PrimitiveKind::kConvex)), "") << "the name is free again";
@@ -294,11 +294,11 @@ TEST_F(DaemonColliderFiles, AreRefusedWhenTheDaemonEnds) {
 
 TEST_F(DaemonColliderFiles, SoManyAtMostWait) {
   std::vector<uint64_t> sent;
-  for (size_t i = 0; i <= ColliderMaker::kMostWaiting; ++i)
+  for (size_t i = 0; i <= ColliderMaker::kMaxQueuedJobs; ++i)
     sent.push_back(send(slow("n" + std::to_string(i))));
   cast(1);
   EXPECT_NE(answerTo(sent.back()).value_or("no answer").find("wait for their answers"), std::string::npos);
-  for (size_t i = 0; i < ColliderMaker::kMostWaiting; ++i) EXPECT_FALSE(answerTo(sent[i])) << i;
+  for (size_t i = 0; i < ColliderMaker::kMaxQueuedJobs; ++i) EXPECT_FALSE(answerTo(sent[i])) << i;
 }
 
 TEST_F(DaemonColliderFiles, WhatCannotBeMadeIsRefused) {
@@ -361,7 +361,7 @@ TEST_F(DaemonColliderFiles, ARunIsRepeated) {
       // Refused because the name is taken. It must not be recorded: a resimulation, where the body appears
       // later, would accept it.
       EXPECT_NE(add(of("ball", "cube.obj", PrimitiveKind::kConvex)), "");
-      EXPECT_EQ(answerInTheEnd(mesh), "");
+      EXPECT_EQ(finalAnswer(mesh), "");
       EXPECT_EQ(command(CommandKind::kMoveCollider, "ball", at(Vec3(0.05f, -0.1f, -0.1f), 0.2)), "");
     }
     const uint64_t end = adds ? subscriber_->frame()->frame + 20 : 100;

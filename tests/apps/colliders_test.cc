@@ -68,14 +68,14 @@ TEST_F(DaemonColliders, AreAddedMovedAndRemovedByCommand) {
   EXPECT_NE(order(CommandKind::kRemoveCollider, "ball"), "") << "it is gone";
 }
 
-TEST_F(DaemonColliders, AreToldByTheirNames) {
+TEST_F(DaemonColliders, AreReportedByTheirNames) {
   EXPECT_EQ(order(CommandKind::kAddCollider, "a ball 100 % round", ball(0.5)), "");
-  const NamedValues told = toldOf(subscriber_->status()->parameters, kToldCollider);
+  const NamedValues told = entriesOf(subscriber_->status()->parameters, kColliderEntry);
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].first, "a ball 100 % round");
   EXPECT_EQ(told[0].second[0], subscriber_->colliders()->colliders.back().id);
   EXPECT_EQ(order(CommandKind::kRemoveCollider, "a ball 100 % round"), "");
-  EXPECT_TRUE(toldOf(subscriber_->status()->parameters, kToldCollider).empty());
+  EXPECT_TRUE(entriesOf(subscriber_->status()->parameters, kColliderEntry).empty());
 }
 
 TEST_F(DaemonColliders, KeepHairOut) {
@@ -141,7 +141,7 @@ TEST_F(DaemonColliders, ThoseThatTheSceneNamesAreMovedAndRemoved) {
   const std::vector<Collider> all = subscriber_->colliders()->colliders;
   ASSERT_EQ(all.size(), scene_bodies_ + 2);
   const uint32_t id = all[scene_bodies_].id;
-  const NamedValues told = toldOf(daemon_->status().parameters, kToldCollider);
+  const NamedValues told = entriesOf(daemon_->status().parameters, kColliderEntry);
   ASSERT_EQ(told, (NamedValues{{"bust", {0, static_cast<double>(scene_bodies_)}},
                                {"a stone", {static_cast<double>(id)}},
                                {"hat", {static_cast<double>(all[scene_bodies_ + 1].id)}}}));

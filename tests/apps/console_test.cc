@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/hair_outlook.h"
+#include "apps/hair_estimate.h"
 
 namespace strandcast {
 namespace {
@@ -65,13 +65,13 @@ TEST(Console, AnUnknownOptionHasTheNearestOneNamed) {
   EXPECT_EQ(saidOf({"render", "--zoom", "2"}), "");
 }
 
-TEST(HairOutlook, TellsOfLargeGroomsAndNotOfSmallOnes) {
+TEST(HairEstimate, TellsOfLargeGroomsAndNotOfSmallOnes) {
   SceneOptions options;
-  EXPECT_FALSE(outlookOfGroom(options).isWorthSaying());
+  EXPECT_FALSE(estimateOfGroom(options).isNotable());
   options.strands = 1000000;
   options.vertices = 100;
-  const HairOutlook large = outlookOfGroom(options);
-  EXPECT_TRUE(large.isWorthSaying());
+  const HairEstimate large = estimateOfGroom(options);
+  EXPECT_TRUE(large.isNotable());
   EXPECT_EQ(large.vertices, 100000000u);
   EXPECT_GT(large.seconds, 1);
   EXPECT_NE(large.text().find(" s, 23842 MiB"), std::string::npos) << large.text();

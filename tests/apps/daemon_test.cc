@@ -91,7 +91,7 @@ TEST_F(DaemonTest, TheAnswerToStepsTellsOfTheStateBehindThem) {
 TEST_F(DaemonTest, TheAnswerTellsWhichParametersThatWereSetDoNothing) {
   const auto told = [&] {
     std::string names;
-    for (const auto& [name, values] : toldOf(subscriber_->status()->parameters, kToldVoid))
+    for (const auto& [name, values] : entriesOf(subscriber_->status()->parameters, kUnusedEntry))
       names += name + ' ';
     return names;
   };
@@ -105,7 +105,7 @@ TEST_F(DaemonTest, TheAnswerTellsWhichParametersThatWereSetDoNothing) {
   EXPECT_EQ(told(), "gust iterations mac_cormack ");
   EXPECT_EQ(order(CommandKind::kSetParameter, {3, 0, 0}, "wind"), "");
   EXPECT_EQ(told(), "iterations mac_cormack ") << "there is a wind now";
-  EXPECT_EQ(toldOf(subscriber_->status()->parameters, "").size(), parameterList().size());
+  EXPECT_EQ(entriesOf(subscriber_->status()->parameters, "").size(), parameterList().size());
 }
 
 TEST(Backends, OfTheProcessorAskForNoGpu) {
@@ -247,8 +247,8 @@ TEST_F(DaemonTest, TheObserverSeesEveryFrame) {
 /// A channel that reports the rival `heard`.
 class RivalChannel final : public Publisher {
  public:
-  std::optional<Rival> heard;
-  std::optional<Rival> rival() const override { return heard; }
+  std::optional<ConflictingDaemon> heard;
+  std::optional<ConflictingDaemon> conflict() const override { return heard; }
   void announce(const GroomDescription&, const BodyDescription&) override {}
   void announceColliders(const ColliderSet&) override {}
   void publish(const GuideFrame&) override {}
@@ -258,40 +258,41 @@ class RivalChannel final : public Publisher {
   EncodingReport encoding() const override { return {}; }
 };
 
-/// The result of RivalWatch::look() of session 0x80 for the rival `heard`, after `frames` frames.
-struct Looked {
+/// The result of ConflictDetector::check() of session 0x80 for the rival `heard`, after `frames` frames.
+struct CheckResult {
   std::string said, ends;
 };
-Looked look(RivalWatch& watch, std::optional<Rival> heard, uint64_t frames, std::chrono::seconds casting) {
+CheckResult look(ConflictDetector& watch, std::optional<ConflictingDaemon> heard, uint64_t frames,
+                 std::chrono::seconds casting) {
   RivalChannel channel;
   channel.heard = heard;
   std::ostringstream text;
   const auto logger = spdlog::default_logger();
   spdlog::set_default_logger(
       std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(text)));
-  const std::optional<std::string> ends = watch.look(channel, 0x80, frames, casting);
+  const std::optional<std::string> ends = watch.check(channel, 0x80, frames, casting);
   spdlog::set_default_logger(logger);
   return {text.str(), ends.value_or("")};
 }
 
 TEST(RivalWatchTest, TellsOnceOfEachThatCasts) {
-  RivalWatch watch(7);
-  const auto said = [&](std::optional<Rival> heard) {
-    const Looked looked = look(watch, heard, 6000, std::chrono::seconds(100));
+  ConflictDetector watch(7);
+  const auto said = [&](std::optional<ConflictingDaemon> heard) {
+    const CheckResult looked = look(watch, heard, 6000, std::chrono::seconds(100));
     EXPECT_EQ(looked.ends, "") << "who has cast for long stays";
     return looked.said;
   };
   EXPECT_EQ(said(std::nullopt), "");
-  EXPECT_EQ(said(Rival{0xab, false}), "") << "it starts, hears of this one and goes";
-  EXPECT_NE(said(Rival{0xab, true}).find("session 00000000000000ab, also publishes groom 7"),
+  EXPECT_EQ(said(ConflictingDaemon{0xab, false}), "") << "it starts, hears of this one and goes";
+  EXPECT_NE(said(ConflictingDaemon{0xab, true}).find("session 00000000000000ab, also publishes groom 7"),
             std::string::npos);
-  EXPECT_EQ(said(Rival{0xab, true}), "");
-  EXPECT_NE(said(Rival{0xcd, true}).find("session 00000000000000cd"), std::string::npos);
+  EXPECT_EQ(said(ConflictingDaemon{0xab, true}), "");
+  EXPECT_NE(said(ConflictingDaemon{0xcd, true}).find("session 00000000000000cd"), std::string::npos);
 }
 
 TEST(RivalWatchTest, OfTwoThatHearEachOtherLateTheOneThatHasCastForLessEnds) {
-  const auto ends = [](Rival heard, uint64_t frames) {
-    RivalWatch watch(7);
+  const auto ends = [](ConflictingDaemon heard, uint64_t frames) {
+    ConflictDetector watch(7);
     return !look(watch, heard, frames, std::chrono::seconds(3)).ends.empty();
   };
   EXPECT_TRUE(ends({0xff, true, 100000}, 180)) << "the other one was there before";

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "apps/picture_arguments.h"
-#include "apps/void_picture.h"
+#include "apps/unused_picture_options.h"
 #include "core/error.h"
 #include "tests/error_of.h"
 #include "tests/full_disk.h"
@@ -58,28 +58,28 @@ TEST(PictureSettings, RendererKeepsEveryValueThatTheyAllow) {
   }
 }
 
-TEST(VoidPictureOptions, AreToldOfWithTheReason) {
+TEST(VoidPictureOptions, AreReportedWithTheReason) {
   PictureOptions options;
   PictureArguments arguments(options);
   const auto set = [&](const char* name, const std::vector<double>& values) {
     arguments.set(pictureSetting(name, "test"), values);
   };
-  EXPECT_TRUE(voidPictureOptions(options).empty());
+  EXPECT_TRUE(unusedPictureOptions(options).empty());
   set("light-cone", {30});
-  EXPECT_EQ(voidPictureOptions(options),
+  EXPECT_EQ(unusedPictureOptions(options),
             std::vector<std::string>{"--light-cone is not used: the light is no spot"});
   set("light", {2});  // a spot, set after its cone
   set("light-cone", {40});
   set("zoom", {2});
   set("shadow-map", {64});
-  EXPECT_TRUE(voidPictureOptions(options).empty()) << "it is a spot now";
+  EXPECT_TRUE(unusedPictureOptions(options).empty()) << "it is a spot now";
   set("shadows", {0});
-  EXPECT_EQ(voidPictureOptions(options).back(), "--shadow-map is not used: --shadows is off");
+  EXPECT_EQ(unusedPictureOptions(options).back(), "--shadow-map is not used: --shadows is off");
   set("clearance", {0.001});
-  EXPECT_EQ(voidPictureOptions(options).back(), "--clearance is not used: --keep-out is off");
+  EXPECT_EQ(unusedPictureOptions(options).back(), "--clearance is not used: --keep-out is off");
   set("keep-out", {1});
   set("curl-strand", {3});
-  EXPECT_EQ(voidPictureOptions(options).back(), "--curl-strand is not used: there is no --curl-example");
+  EXPECT_EQ(unusedPictureOptions(options).back(), "--curl-strand is not used: there is no --curl-example");
 }
 
 TEST(Presets, WhatIsWrittenIsRead) {

@@ -121,7 +121,7 @@ TEST_F(Refusals, AStreamIsNotToldWhatADaemonSimulates) {
   EXPECT_EQ(contents(take), "an old take");
 }
 
-TEST_F(Refusals, BonesThatStayAndStiffenedStrandsAreTold) {
+TEST_F(Refusals, BonesThatStayAndStiffenedStrandsAreReported) {
   const std::string record = program_ + " record " + (folder_ / "a.rec").string() +
                              " --backend reference --scene wavy --strands 20 --seconds 0.02 --config ";
   const std::filesystem::path neck = write("neck.toml", "[[pin]]\nbone = \"Neck\"\nto = 0.1\n");

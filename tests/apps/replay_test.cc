@@ -164,7 +164,7 @@ class FloodedChannel final : public Publisher {
   void publishStatus(const Status&) override {}
   uint32_t matchedReaders() const override { return 0; }
   EncodingReport encoding() const override { return {}; }
-  std::optional<Rival> rival() const override { return std::nullopt; }
+  std::optional<ConflictingDaemon> conflict() const override { return std::nullopt; }
 
  private:
   std::atomic<bool>& stop_;

@@ -49,7 +49,7 @@ class StageChannel final : public Publisher {
   std::deque<std::vector<uint8_t>> shows;
   uint64_t show_session = 0;
 
-  std::optional<Rival> rival() const override { return std::nullopt; }
+  std::optional<ConflictingDaemon> conflict() const override { return std::nullopt; }
   void announce(const GroomDescription&, const BodyDescription&) override {}
   void announceColliders(const ColliderSet&) override {}
   void publish(const GuideFrame& frame) override {

@@ -27,8 +27,8 @@ constexpr double kSampleEvery = 0.5, kVisitorEvery = 3, kCommandEvery = 10;  // 
 constexpr double kWarmUpPart = 0.4;
 constexpr int kStops = 4;
 constexpr double kLongRun = 600;  // s, long enough to separate a slope from noise
-constexpr double kMostKbPerMinute = 30;
-constexpr double kMostShortGrowth = 4096;  // kB
+constexpr double kMaxKbPerMinute = 30;
+constexpr double kMaxShortGrowth = 4096;  // kB
 
 double soakSeconds() {
   const char* const text = std::getenv("STRANDCAST_SOAK_SECONDS");
@@ -157,14 +157,14 @@ TEST(Soak, MemoryOfDaemonsAndReadersStaysFlat) {
   std::printf("%.0f s, %zu visitors, %zu of them killed, %zu commands\n", seconds, visitors, killed,
               commands);
   for (Resident& resident : residents) {
-    ASSERT_GT(resident.samples.size(), 4u) << resident.name << ' ' << resident.process->autopsy();
+    ASSERT_GT(resident.samples.size(), 4u) << resident.name << ' ' << resident.process->exitReport();
     const double slope = slopeOf(resident.samples);
     const double first = resident.samples.front().kb, last = resident.samples.back().kb;
     std::printf("%-10s  %.0f kB, then %.0f kB: %.2f kB/min\n", resident.name.c_str(), first, last, slope);
     if (seconds >= kLongRun) {
-      EXPECT_LT(slope, kMostKbPerMinute) << resident.name;
+      EXPECT_LT(slope, kMaxKbPerMinute) << resident.name;
     }
-    EXPECT_LT(last - first, kMostShortGrowth) << resident.name;
+    EXPECT_LT(last - first, kMaxShortGrowth) << resident.name;
     if (resident.name.ends_with("reader")) {
       const Results& read = resident.process->finish();
       ASSERT_TRUE(read.contains("received")) << resident.process->text();

@@ -64,7 +64,7 @@ TEST(ClaimGroom, NobodyElseIsListenedForInALog) {
   settings.lcm_url = "file://" + (folder.path() / "a.log").string() + "?mode=w";
   const auto start = std::chrono::steady_clock::now();
   EXPECT_NE(claimGroom(settings, 1), nullptr);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, kRivalListenTime);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, kConflictListenTime);
 }
 
 TEST(AnswerWait, LastsAsLongAsStepsAreTakenAndNoLonger) {
@@ -105,7 +105,7 @@ TEST_F(StreamTest, ASimulationThatFailsEndsItsReaderWithTheError) {
 TEST_F(StreamTest, FramesThatWaitToBeDrawnTakeNoMoreThanTheirRoom) {
   Stream stream(fewStrands(), true, 10);
   FrameCapture capture(stream, {.frames = 1000, .fps = 60, .skip = 0, .timeout = 10, .room = 1});
-  EXPECT_TRUE(trueWithin(std::chrono::seconds(30), [&] { return capture.passedOver() >= 5; }));
+  EXPECT_TRUE(trueWithin(std::chrono::seconds(30), [&] { return capture.skippedFrames() >= 5; }));
   const auto first = capture.next(), second = capture.next();
   ASSERT_TRUE(first && second);
   EXPECT_GT(second->frame->frame, first->frame->frame + 5)

@@ -148,12 +148,12 @@ TEST_F(DaemonWind, ThatDoesNotFitIsRefusedAndChangesNothing) {
   ASSERT_EQ(daemon_->windSources().size(), 1u);
   EXPECT_EQ(windSourceValues(source(0)), windSourceValues(fan));
   size_t taken = 1;
-  while (taken <= kMostWindSources && add("n" + std::to_string(taken), fan).empty()) ++taken;
-  EXPECT_EQ(taken, kMostWindSources);
+  while (taken <= kMaxWindSources && add("n" + std::to_string(taken), fan).empty()) ++taken;
+  EXPECT_EQ(taken, kMaxWindSources);
 }
 
-TEST_F(DaemonWind, IsToldInTheStatusAsItIs) {
-  const auto told = [&] { return toldOf(subscriber_->status()->parameters, kToldSource); };
+TEST_F(DaemonWind, IsReportedInTheStatusAsItIs) {
+  const auto told = [&] { return entriesOf(subscriber_->status()->parameters, kWindSourceEntry); };
   EXPECT_EQ(add("spot%20", wideFan(3)), "");
   WindSource to;
   to.position = Vec3(1, 2, 3);
@@ -166,10 +166,10 @@ TEST_F(DaemonWind, IsToldInTheStatusAsItIs) {
   EXPECT_EQ(read.kind, WindSource::Kind::kTurbine);
   EXPECT_EQ(read.speed, 3);
   EXPECT_EQ(remove("other"), "");
-  for (size_t n = 1; n < kMostWindSources; ++n)
+  for (size_t n = 1; n < kMaxWindSources; ++n)
     EXPECT_EQ(add(std::string(60, 'x') + std::to_string(n), wideFan(3)), "");
-  EXPECT_EQ(told().size(), kMostWindSources) << "there is room for all that there may be";
-  EXPECT_EQ(toldOf(subscriber_->status()->parameters, "").size(), parameterList().size());
+  EXPECT_EQ(told().size(), kMaxWindSources) << "there is room for all that there may be";
+  EXPECT_EQ(entriesOf(subscriber_->status()->parameters, "").size(), parameterList().size());
   EXPECT_TRUE(isSound(subscriber_->status()->parameters));
 }
 

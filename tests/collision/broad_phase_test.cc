@@ -41,8 +41,8 @@ TEST(BroadPhase, TheTreeFindsWhatAllPairsFind) {
       std::vector<Box> strands = random.boxes(100, 1, 0.3f);
       strands[50] = kEverywhere;
       NearBodyLists mine, truth;
-      tree->find(body_boxes, strands, mine);
-      pairs->find(body_boxes, strands, truth);
+      tree->findPairs(body_boxes, strands, mine);
+      pairs->findPairs(body_boxes, strands, truth);
       EXPECT_EQ(mine.offsets, truth.offsets);
       EXPECT_EQ(mine.bodies, truth.bodies);
       EXPECT_EQ(mine.of(50).size(), bodies);
@@ -56,7 +56,7 @@ TEST(BroadPhase, TheTreeFindsWhatAllPairsFind) {
 
 TEST(BroadPhase, NoNeighbourhoodNoList) {
   NearBodyLists lists;
-  makeTreeBroadPhase()->find(Boxes().boxes(3, 1, 1), {}, lists);
+  makeTreeBroadPhase()->findPairs(Boxes().boxes(3, 1, 1), {}, lists);
   EXPECT_EQ(lists.offsets, std::vector<uint32_t>{0});
   EXPECT_TRUE(lists.bodies.empty());
 }

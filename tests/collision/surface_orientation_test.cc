@@ -322,7 +322,7 @@ TEST(SurfaceOrientation, WarningsSayWhatWasRepairedAndWhereTheSideStaysInDoubt) 
   const std::vector<std::string> doubts = FieldBaker(torn, coarse()).warnings();
   ASSERT_EQ(doubts.size(), 1u);
   EXPECT_NE(doubts[0].find("inside and outside are in doubt at "), std::string::npos) << doubts[0];
-  EXPECT_LT(FieldBaker(bust(), coarse()).shareInDoubt(), 0.02) << "but for the rim of its hole";
+  EXPECT_LT(FieldBaker(bust(), coarse()).uncertainShare(), 0.02) << "but for the rim of its hole";
   EXPECT_NE(errorOf([] { orientSurface({}); }).find("no triangles"), std::string::npos);
 }
 

@@ -68,23 +68,23 @@ struct Disagreement {
                   stiffnessOf(step.model, s, step.substep()), error[s]);
     }
   }
-  void expectLittle(double most_off) const {
+  void expectLittle(double max_off_share) const {
     std::printf("             of %zu strands %zu are off, %zu of them far\n", compared, off, far);
-    EXPECT_LT(static_cast<double>(off), most_off * static_cast<double>(compared));
-    EXPECT_LT(static_cast<double>(far), kMostFar * static_cast<double>(compared));
+    EXPECT_LT(static_cast<double>(off), max_off_share * static_cast<double>(compared));
+    EXPECT_LT(static_cast<double>(far), kMaxFarShare * static_cast<double>(compared));
   }
 };
 
 TEST_P(Conformance, NearlyAllStrandsAmongBodiesAgreeWithTheOracle) {
   if (parameters_.solver != SolverKind::kRod) return;
   if (kSanitized) GTEST_SKIP() << "it counts strands; OneStepWithEveryKindOfBody runs the same code";
-  if (backend_->name() == "gpu" && !thorough()) GTEST_SKIP() << kLeftToThorough;
+  if (backend_->name() == "gpu" && !thorough()) GTEST_SKIP() << kSkippedUnlessThorough;
   static const std::vector<StepAmongBodies> steps = stepsAmongBodies(parameters_);
   Disagreement all;
   for (const StepAmongBodies& step : steps)
     all.add(step,
             errors(step.model, stepped(step.model, step.from, step.input()), step.truth, step.substep()));
-  all.expectLittle(mostOff());
+  all.expectLittle(maxOffShare());
 }
 
 // Bodies of every kind, each alone, so that a difference is attributable to one kind. The rod starts from
@@ -135,7 +135,7 @@ TEST_P(Conformance, OneStepWithEveryKindOfBodyAgreesWithTheOracle) {
     EXPECT_GT(moved_by_body, strands / 8);
   }
   // Under a sanitizer there is one state only, and the permitted share is less than one strand.
-  if (rod && !kSanitized) all.expectLittle(mostOff());
+  if (rod && !kSanitized) all.expectLittle(maxOffShare());
 }
 
 // Hair stands up from a floor. A ball that covers some of its roots rises by 1 mm per step.

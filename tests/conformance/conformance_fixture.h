@@ -38,12 +38,13 @@ constexpr double kOneStepTolerance = 5e-6;
 constexpr double kRodOneStepTolerance = 2.5e-5, kGoalTolerance = 3e-5;
 constexpr double kDensestRod = 30000;
 // A vertex that grazes a body may touch it in one precision and not in the other; the length solve then holds
-// it or does not. kMostOff and kMostFar are the shares of the rod's strands among bodies that may differ from
-// the oracle by more than kAmongBodiesTolerance (plus sensitivity) and by more than kGrazingTolerance.
-// Measured: up to 0.1 and 0.02 % on CPUs, 0.6 and 0.11 % on llvmpipe, 0.3 and 0.15 % on an H100.
+// it or does not. kMaxOffShare and kMaxFarShare are the shares of the rod's strands among bodies that may
+// differ from the oracle by more than kAmongBodiesTolerance (plus sensitivity) and by more than
+// kGrazingTolerance. Measured: up to 0.1 and 0.02 % on CPUs, 0.6 and 0.11 % on llvmpipe, 0.3 and 0.15 % on an
+// H100.
 constexpr double kDensestAmongBodies = 3000;
 constexpr double kAmongBodiesTolerance = 4e-5, kGrazingTolerance = 5e-3;
-constexpr double kMostOff = 0.0025, kMostOffOnGpu = 0.0075, kMostFar = 0.0015;
+constexpr double kMaxOffShare = 0.0025, kMaxOffShareOnGpu = 0.0075, kMaxFarShare = 0.0015;
 constexpr double kSensitivityFactor = 10;
 
 class Conformance : public testing::TestWithParam<BackendCase> {
@@ -69,7 +70,7 @@ class Conformance : public testing::TestWithParam<BackendCase> {
     return state;
   }
 
-  double mostOff() const { return backend_->name() == "gpu" ? kMostOffOnGpu : kMostOff; }
+  double maxOffShare() const { return backend_->name() == "gpu" ? kMaxOffShareOnGpu : kMaxOffShare; }
 
   std::unique_ptr<Backend> backend_;
   Parameters parameters_;

@@ -110,7 +110,7 @@ TEST(HairPull, AHandAsFarAndAsHardAsItMayBreaksNothing) {
   simulation.pullHair(Vec3::Zero(), 10, Vec3::Constant(kMaxHandCoordinate), 1000);
   for (int i = 0; i < 60; ++i) {
     simulation.step();
-    EXPECT_EQ(simulation.resetBroken(), 0u) << i;
+    EXPECT_EQ(simulation.resetDiverged(), 0u) << i;
   }
 }
 

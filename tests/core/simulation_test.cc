@@ -218,7 +218,7 @@ TEST(Simulation, TheOriginFollowsAHeadThatWalks) {
   for (; way < 20; way += 0.0625f) {
     walks.setHeadPose({Vec3(0, 0, way), Quat::Identity()});
     walks.step();
-    EXPECT_EQ(walks.resetBroken(), 0u);
+    EXPECT_EQ(walks.resetDiverged(), 0u);
     EXPECT_LE((walks.headPose().position - walks.origin()).norm(), kFarFromOrigin);
   }
   EXPECT_GT(walks.origin().z(), 10);
@@ -301,16 +301,16 @@ TEST(Simulation, AStrandThatWentWrongIsResetAlone) {
   parameters.solver = SolverKind::kRod;
   Simulation simulation(makeStrandModel(set), {}, parameters, makeReferenceBackend());
   for (int i = 0; i < 10; ++i) simulation.step();
-  EXPECT_EQ(simulation.resetBroken(), 0u);
+  EXPECT_EQ(simulation.resetDiverged(), 0u);
   StrandState state = simulation.state();
   state.positions[4].x() = std::numeric_limits<float>::quiet_NaN();
   simulation.backend().upload(state);
   simulation.step();
   EXPECT_EQ(simulation.measure().non_finite, 2u) << "of the second strand, all but its root";
-  EXPECT_EQ(simulation.resetBroken(), 1u);
+  EXPECT_EQ(simulation.resetDiverged(), 1u);
   EXPECT_EQ(simulation.measure().non_finite, 0u);
   simulation.step();
-  EXPECT_EQ(simulation.resetBroken(), 0u);
+  EXPECT_EQ(simulation.resetDiverged(), 0u);
 }
 
 // Error message of a call with invalid input. Checks the strong exception guarantee: later steps give the

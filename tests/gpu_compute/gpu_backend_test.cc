@@ -49,26 +49,25 @@ TEST(Subgroups, AreUsedOnlyWhereAWorkgroupIsCertainlyOne) {
 
 TEST(DriverFaults, OldZinkIsRefusedAndSaysWhatToDo) {
   const std::string lavapipe = "zink (llvmpipe (LLVM 15.0.6, 256 bits))";
-  const std::string fault = gpu::faultOfDriver(lavapipe, "4.6 (Core Profile) Mesa 22.3.6");
+  const std::string fault = gpu::driverFault(lavapipe, "4.6 (Core Profile) Mesa 22.3.6");
   EXPECT_NE(fault.find("Mesa 22.3.6"), std::string::npos) << fault;
   EXPECT_NE(fault.find(gpu::kUntestedVariable), std::string::npos) << fault;
-  EXPECT_NE(gpu::faultOfDriver("zink Vulkan 1.3(AMD Radeon RX 6800 (RADV NAVI21))",
-                               "4.6 (Core Profile) Mesa 24.2.1"),
-            "");
-  EXPECT_NE(gpu::faultOfDriver("zink (NVIDIA GeForce)", "4.6"), "") << "of a version that it does not say";
+  EXPECT_NE(
+      gpu::driverFault("zink Vulkan 1.3(AMD Radeon RX 6800 (RADV NAVI21))", "4.6 (Core Profile) Mesa 24.2.1"),
+      "");
+  EXPECT_NE(gpu::driverFault("zink (NVIDIA GeForce)", "4.6"), "") << "of a version that it does not say";
   setenv(gpu::kUntestedVariable, "1", 1);
-  EXPECT_EQ(gpu::faultOfDriver(lavapipe, "4.6 (Core Profile) Mesa 22.3.6"), "");
+  EXPECT_EQ(gpu::driverFault(lavapipe, "4.6 (Core Profile) Mesa 22.3.6"), "");
   unsetenv(gpu::kUntestedVariable);
 }
 
 TEST(DriverFaults, OtherDriversAreTaken) {
-  EXPECT_EQ(gpu::faultOfDriver("zink Vulkan 1.4(llvmpipe (LLVM 15.0.6, 256 bits) (MESA_LLVMPIPE))",
-                               "4.6 (Core Profile) Mesa 25.0.7-2~bpo12+1"),
+  EXPECT_EQ(gpu::driverFault("zink Vulkan 1.4(llvmpipe (LLVM 15.0.6, 256 bits) (MESA_LLVMPIPE))",
+                             "4.6 (Core Profile) Mesa 25.0.7-2~bpo12+1"),
             "");
-  EXPECT_EQ(gpu::faultOfDriver("llvmpipe (LLVM 15.0.6, 256 bits)", "4.5 (Core Profile) Mesa 22.3.6"), "");
-  EXPECT_EQ(gpu::faultOfDriver("AMD Radeon RX 6800 (radeonsi, navi21)", "4.6 (Core Profile) Mesa 22.3.6"),
-            "");
-  EXPECT_EQ(gpu::faultOfDriver("NVIDIA H200/PCIe/SSE2", "4.6.0 NVIDIA 580.159.04"), "");
+  EXPECT_EQ(gpu::driverFault("llvmpipe (LLVM 15.0.6, 256 bits)", "4.5 (Core Profile) Mesa 22.3.6"), "");
+  EXPECT_EQ(gpu::driverFault("AMD Radeon RX 6800 (radeonsi, navi21)", "4.6 (Core Profile) Mesa 22.3.6"), "");
+  EXPECT_EQ(gpu::driverFault("NVIDIA H200/PCIe/SSE2", "4.6.0 NVIDIA 580.159.04"), "");
 }
 
 TEST(HeadlessContext, KnowsDriversThatDrawOnTheProcessor) {
@@ -153,7 +152,7 @@ class GpuBackend : public testing::Test {
     for (const MovingPrimitive& body : bodies) boxes.push_back(sweptBox(body));
     const Box reach(Eigen::Vector3f::Constant(-2), Eigen::Vector3f::Constant(2));
     NearBodyLists near;
-    makeAllPairs()->find(boxes, std::vector<Box>(strandOrder(model_).neighbourhoods(), reach), near);
+    makeAllPairs()->findPairs(boxes, std::vector<Box>(strandOrder(model_).neighbourhoods(), reach), near);
     return near;
   }
 

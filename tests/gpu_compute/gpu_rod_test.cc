@@ -401,7 +401,7 @@ TEST_F(GpuRod, StaysFiniteAndKeepsLengthsWhenShakenWithShortEdges) {
 }
 
 // One group per number of invocations, except that of 32 vertices, which other tests cover. Groups are large
-// enough (kOwnProgram) for variants of their own.
+// enough (kMinVariantStrands) for variants of their own.
 TEST_F(GpuRod, GroupsOfAnyCountAgreeWithTheReference) {
   const StrandModel model = arcs(4 * 520, {4, 7, 14, 60}, 0.2f, false);
   const StrandState from = restState(model, model.rest_roots);

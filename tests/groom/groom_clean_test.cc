@@ -349,7 +349,7 @@ TEST(GuessUnit, InchesAndFeetAreNamedWhereTheyMakeAHeadOfHair) {
   for (const float none : {0.0f, 1e9f, 1e-9f}) EXPECT_EQ(likelierUnits(none, 1), "") << none;
 }
 
-TEST(LoadGroom, AnUnlikelyUnitIsToldOfWithLikelierOnes) {
+TEST(LoadGroom, AnUnlikelyUnitIsReportedWithLikelierOnes) {
   const ScratchFolder folder;
   const auto warningsOf = [&](float size, float unit) {
     std::ofstream(folder / "wig.obj") << "v 0 0 0\nv 0 " << size / 2 << " 0\nv 0 " << size << " 0\nl 1 2 3\n";
@@ -408,27 +408,27 @@ TEST(LoadGroom, ConvertsUnitAndAxesAndSaysWhenItGuessed) {
   EXPECT_EQ(loadGroom({folder / "a.hair"}, {1, UpAxis::kY}).strands.strand(2)[4], in_file);
 }
 
-bool isToldOf(const Groom& groom, const std::string& what) {
+bool isReported(const Groom& groom, const std::string& what) {
   const std::vector<std::string>& lines = groom.report.warnings;
   return std::any_of(lines.begin(), lines.end(),
                      [&](const std::string& line) { return line.find(what) != std::string::npos; });
 }
 
-TEST(LoadGroom, AUnitOrAxisGivenAgainstTheFileWinsAndIsToldOf) {
+TEST(LoadGroom, AUnitOrAxisGivenAgainstTheFileWinsAndIsReported) {
   const ScratchFolder folder;
   writeFileBytes(folder / "a.usda", samples::usda());
   const Groom said = loadGroom({folder / "a.usda"}, {});
   EXPECT_FLOAT_EQ(said.report.unit_meters, 0.01f);
-  EXPECT_FALSE(isToldOf(said, "as given"));
-  EXPECT_FALSE(isToldOf(loadGroom({folder / "a.usda"}, {0.01f, UpAxis::kZ}), "as given"));
+  EXPECT_FALSE(isReported(said, "as given"));
+  EXPECT_FALSE(isReported(loadGroom({folder / "a.usda"}, {0.01f, UpAxis::kZ}), "as given"));
   const Groom given = loadGroom({folder / "a.usda"}, {0.02f, UpAxis::kY});
   EXPECT_FLOAT_EQ(given.report.unit_meters, 0.02f);
   EXPECT_TRUE(
-      isToldOf(given, "the file says that its unit is 0.01 m, 0.02 m is taken as given (--unit-meters)"));
-  EXPECT_TRUE(isToldOf(given, "Z is up in the file, Y is taken as given (--up)"));
+      isReported(given, "the file says that its unit is 0.01 m, 0.02 m is taken as given (--unit-meters)"));
+  EXPECT_TRUE(isReported(given, "Z is up in the file, Y is taken as given (--up)"));
 }
 
-TEST(LoadGroom, SizesAndPlacesThatNoHairHasAreToldOfAsUnits) {
+TEST(LoadGroom, SizesAndPlacesThatNoHairHasAreReportedAsUnits) {
   const ScratchFolder folder;
   writeFileBytes(folder / "a.hair", samples::hair());
   for (const auto& [unit, told] : {std::pair{1e-5f, "m large: give its unit (--unit-meters)"},
@@ -438,11 +438,11 @@ TEST(LoadGroom, SizesAndPlacesThatNoHairHasAreToldOfAsUnits) {
                                    {1000.0f, "m large"}}) {
     const Groom groom = loadGroom({folder / "a.hair"}, {unit, UpAxis::kAuto});
     EXPECT_EQ(groom.report.warnings.size(), told == nullptr ? 0u : 1u) << unit;
-    EXPECT_TRUE(told == nullptr || isToldOf(groom, told)) << unit;
+    EXPECT_TRUE(told == nullptr || isReported(groom, told)) << unit;
   }
   writeFileBytes(folder / "far.obj",
                  samples::fromText("v 5000 0 0\nv 5000 0.01 0\nv 5000 0.02 0\nl 1 2 3\n"));
-  EXPECT_TRUE(isToldOf(loadGroom({folder / "far.obj"}, {1, UpAxis::kY}), "positions are rounded"));
+  EXPECT_TRUE(isReported(loadGroom({folder / "far.obj"}, {1, UpAxis::kY}), "positions are rounded"));
 }
 
 TEST(LoadGroom, SeveralFilesBecomeOneGroomWithParts) {

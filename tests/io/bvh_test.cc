@@ -267,7 +267,7 @@ TEST(Bvh, JointsMayLackOffsetsOrChannelsAndHaveScales) {
   EXPECT_EQ(roots.pose(2, 0).position, Vec3(5, 0, 0));
 }
 
-TEST(Bvh, JointsOfOneNameAreToldOf) {
+TEST(Bvh, JointsOfOneNameAreReported) {
   const auto clip = [](const std::vector<std::string>& names) {
     std::string text = "HIERARCHY\n", frame;
     for (const std::string& name : names) {

@@ -91,7 +91,7 @@ class Damager {
 /// Each sample is accepted. Of its damaged versions some are refused and some accepted, otherwise the damage
 /// would test nothing.
 template <class Check>
-void expectDamageIsBorne(Check check, const std::vector<Bytes>& files) {
+void expectDamageIsTolerated(Check check, const std::vector<Bytes>& files) {
   for (const Bytes& file : files) EXPECT_TRUE(check(file));
   Damager damager(files);
   int accepted = 0;
@@ -102,17 +102,19 @@ void expectDamageIsBorne(Check check, const std::vector<Bytes>& files) {
 }
 
 TEST(DamagedFiles, Tfx) {
-  expectDamageIsBorne(checkTfxReader, {samples::tfx3(), samples::tfx3(true), samples::tfx4()});
+  expectDamageIsTolerated(checkTfxReader, {samples::tfx3(), samples::tfx3(true), samples::tfx4()});
 }
 TEST(DamagedFiles, Hair) {
-  expectDamageIsBorne(checkHairReader, {samples::hair(), samples::hairDefaultSegments()});
+  expectDamageIsTolerated(checkHairReader, {samples::hair(), samples::hairDefaultSegments()});
 }
-TEST(DamagedFiles, ObjStrands) { expectDamageIsBorne(checkObjStrandsReader, {samples::objStrands()}); }
-TEST(DamagedFiles, Usda) { expectDamageIsBorne(checkUsdaReader, {samples::usda(), samples::usdaStage()}); }
-TEST(DamagedFiles, ObjMesh) { expectDamageIsBorne(checkObjMeshReader, {samples::objMesh()}); }
-TEST(DamagedFiles, Sdf) { expectDamageIsBorne(checkSdfReader, {samples::sdf()}); }
+TEST(DamagedFiles, ObjStrands) { expectDamageIsTolerated(checkObjStrandsReader, {samples::objStrands()}); }
+TEST(DamagedFiles, Usda) {
+  expectDamageIsTolerated(checkUsdaReader, {samples::usda(), samples::usdaStage()});
+}
+TEST(DamagedFiles, ObjMesh) { expectDamageIsTolerated(checkObjMeshReader, {samples::objMesh()}); }
+TEST(DamagedFiles, Sdf) { expectDamageIsTolerated(checkSdfReader, {samples::sdf()}); }
 TEST(DamagedFiles, Gltf) {
-  expectDamageIsBorne(checkGltfReader, {samples::glb(), samples::gltf(), samples::gltfOfAllKinds()});
+  expectDamageIsTolerated(checkGltfReader, {samples::glb(), samples::gltf(), samples::gltfOfAllKinds()});
 }
 TEST(DamagedFiles, GltfSkin) {
   samples::ArmOptions cubic = samples::smallArm();
@@ -120,8 +122,8 @@ TEST(DamagedFiles, GltfSkin) {
   samples::ArmOptions swelling = samples::smallArm();
   swelling.bulge = 0.05f;
   swelling.bulge_at_rest = 0.5f;
-  expectDamageIsBorne(checkGltfSkinReader, {samples::armGlb(samples::smallArm()), samples::armGltf(cubic),
-                                            samples::armGltf(swelling)});
+  expectDamageIsTolerated(checkGltfSkinReader, {samples::armGlb(samples::smallArm()), samples::armGltf(cubic),
+                                                samples::armGltf(swelling)});
 }
 
 }  // namespace

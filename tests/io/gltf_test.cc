@@ -468,7 +468,7 @@ TEST(GltfAssets, TextInUtf16IsRefusedAsSuch) {
   expectRefusal(wide, {"UTF-16", "iconv -f UTF-16LE -t UTF-8"});
 }
 
-TEST(GltfPrimitives, CornersThatMakeNoWholeTriangleAreToldOf) {
+TEST(GltfPrimitives, CornersThatMakeNoWholeTriangleAreReported) {
   GltfBuilder builder;
   const size_t position = builder.points(tetrahedron());
   std::vector<uint16_t> triangles = tetrahedronTriangles();
@@ -493,7 +493,7 @@ TEST(GltfPrimitives, CornersThatMakeNoWholeTriangleAreToldOf) {
             "vertices left over after the last whole triangle (meshes[0].primitives[1])");
 }
 
-TEST(GltfMorphTargets, OfAnotherCountAreToldOfOnceWhetherUsedOrNot) {
+TEST(GltfMorphTargets, OfAnotherCountAreReportedOnceWhetherUsedOrNot) {
   Shapes shapes;
   const size_t three = shapes.builder.points({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}),
                five = shapes.builder.points(std::vector<Vec3>(5, Vec3::Zero()));

@@ -242,7 +242,7 @@ TEST(Hair, AThicknessThatIsNoneIsTheDefault) {
   }
 }
 
-TEST(Hair, ADefaultThicknessThatIsNoneIsLeftOutAndTold) {
+TEST(Hair, ADefaultThicknessThatIsNoneIsLeftOutAndReported) {
   for (const auto& [bad, text] :
        {std::pair{kNan, "nan"}, {kInfinity, "inf"}, {-kInfinity, "-inf"}, {-2.5f, "-2.5"}})
     for (Bytes bytes : {samples::hair(), samples::hairDefaultSegments()}) {
@@ -264,7 +264,7 @@ TEST(Hair, ADefaultThicknessThatIsNoneIsLeftOutAndTold) {
             std::vector<std::string>{"1 of the thicknesses are negative or not finite: 0 stands for them"});
 }
 
-TEST(Tfx, MassesAndFlagsThatAreNotReadAsTheyAreAreTold) {
+TEST(Tfx, MassesAndFlagsThatAreNotReadAsTheyAreAreReported) {
   Bytes bytes = samples::tfx4();
   EXPECT_TRUE(readTfx(bytes, "wig.tfx").report.warnings.empty());
   const auto mass = [](size_t vertex) { return 160 + vertex * 16 + 12; };

@@ -190,7 +190,7 @@ TEST(ObjEdges, EdgesWrittenTipFirstMeetInReverse) {
   EXPECT_EQ(joined({{1, 2}, {3, 2}, {3, 4}}), (Strands{{1, 2, 3, 4}}));
 }
 
-TEST(ObjEdges, ForksRingsAndRepeatedEdgesAreToldOf) {
+TEST(ObjEdges, ForksRingsAndRepeatedEdgesAreReported) {
   FileReport report;
   EXPECT_EQ(joined({{2, 3}, {1, 2}, {2, 4}}, &report), (Strands{{2, 3}, {1, 2}, {2, 4}}));
   EXPECT_TRUE(mentions(report.warnings, "at 1 vertex more than two edges meet"));
@@ -231,7 +231,7 @@ TEST(ObjText, KeywordsAreReadInAnyCaseAndUnknownOnesAreCounted) {
   EXPECT_EQ(groom.report.left_out, (std::vector<std::string>{"2 statements that the format does not have"}));
 }
 
-TEST(ObjEdges, ARingIsToldOfAndOpenedAlikeInAnyOrder) {
+TEST(ObjEdges, ARingIsReportedAndOpenedAlikeInAnyOrder) {
   for (const Strands& edges :
        {Strands{{1, 2}, {2, 3}, {3, 4}, {4, 1}}, Strands{{3, 4}, {4, 1}, {1, 2}, {2, 3}},
         Strands{{2, 1}, {1, 4}, {4, 3}, {3, 2}}, Strands{{3, 4}, {1, 2}, {4, 1}, {2, 3}},
@@ -248,7 +248,7 @@ TEST(ObjEdges, ARingIsToldOfAndOpenedAlikeInAnyOrder) {
   EXPECT_TRUE(mentions(report.warnings, "2 rings of edges are opened"));
 }
 
-TEST(ObjEdges, ClosedPolylinesAndStrandsThatCrossThemselvesAreToldOf) {
+TEST(ObjEdges, ClosedPolylinesAndStrandsThatCrossThemselvesAreReported) {
   FileReport report;
   EXPECT_EQ(joined({{3, 1, 2, 3}, {4, 5, 6}}, &report), (Strands{{3, 1, 2, 3}, {4, 5, 6}}));
   EXPECT_TRUE(mentions(report.warnings, "1 polyline is closed"));

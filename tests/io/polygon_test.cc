@@ -203,7 +203,7 @@ TEST(Polygons, RepeatedCornersAreNoCorners) {
   EXPECT_TRUE(triangles.empty());
 }
 
-TEST(Polygons, OnesThatCrossThemselvesOrHaveNoAreaAreToldOf) {
+TEST(Polygons, OnesThatCrossThemselvesOrHaveNoAreaAreReported) {
   Points pentagram;
   for (int i = 0; i < 5; ++i) {
     const float turn = 0.8f * std::numbers::pi_v<float> * static_cast<float>(i);

@@ -60,7 +60,7 @@ void checkDownstream(const StrandSet& strands) {
   groom.strands = strands;
   Box bounds;
   for (const Vec3& point : groom.strands.positions) bounds.extend(Eigen::Vector3f(point));
-  turnYUp(groom.strands.positions, UpAxis::kZ);
+  rotateToYUp(groom.strands.positions, UpAxis::kZ);
   scaleToMeters(groom.strands.positions, guessUnit(bounds), kName);
   cleanStrands(groom);
   require(groom.report.dropped_short + groom.strands.strands() == groom.report.strands_read,
@@ -134,7 +134,7 @@ void checkTargets(const SkinnedMesh& skin) {
       clip.weigh(part * clip.duration, weights);
       for (const float weight : weights) require(std::isfinite(weight), "a weight is not finite");
     }
-    const std::vector<Placement> rest = skin.skeleton.place(skin.skeleton.rest());
+    const std::vector<Placement> rest = skin.skeleton.worldTransforms(skin.skeleton.rest());
     require(skin.blended(rest, weights).size() == skin.stored.size(), "targets lost vertices");
     require(skin.bindingsAt(rest, weights).size() == skin.bindings.size() + skin.target_bindings.size(),
             "targets have no bindings");
@@ -171,7 +171,7 @@ void checkSkin(const SkinnedMesh& skin) {
             "a clip's pose is not finite");
     }
     for (const ClipSampler& sampler : clip.samplers) values += sampler.values.size();
-    require(skin.blended(skin.skeleton.place(locals)).size() == vertices, "a pose lost vertices");
+    require(skin.blended(skin.skeleton.worldTransforms(locals)).size() == vertices, "a pose lost vertices");
   }
   require(values <= fewOfAll().clip_values, "more values than the limit");
 }

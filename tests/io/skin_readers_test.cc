@@ -27,7 +27,7 @@ using samples::smallArm;
 std::vector<Vec3> posed(const SkinnedMesh& skin, double seconds) {
   std::vector<JointTransform> locals = skin.skeleton.rest();
   skin.clips.at(0).pose(seconds, locals);
-  return skin.blended(skin.skeleton.place(locals));
+  return skin.blended(skin.skeleton.worldTransforms(locals));
 }
 
 TEST(GltfSkin, AtRestTheMeshIsWhereItIsWithoutItsSkin) {
@@ -281,7 +281,7 @@ samples::ArmOptions swellingArm() {
 std::vector<Vec3> swollen(const SkinnedMesh& skin, double seconds) {
   std::vector<float> weights = skin.restWeights();
   skin.clips.back().weigh(seconds, weights);
-  return skin.blended(skin.skeleton.place(skin.skeleton.rest()), weights);
+  return skin.blended(skin.skeleton.worldTransforms(skin.skeleton.rest()), weights);
 }
 
 TEST(GltfMorphs, OfClipsMoveTheSkinBeforeItIsBlended) {
@@ -324,7 +324,7 @@ TEST(GltfMorphs, OfClipsMoveTheSkinBeforeItIsBlended) {
   const SkinnedMesh skin = readGltfSkin(samples::armGlb(swellingArm()), "arm.glb");
   std::vector<JointTransform> locals = skin.skeleton.rest();
   skin.clips[0].pose(1, locals);
-  const std::vector<Placement> world = skin.skeleton.place(locals);
+  const std::vector<Placement> world = skin.skeleton.worldTransforms(locals);
   const std::vector<Vec3> bent = skin.blended(world), both = skin.blended(world, std::vector<float>{1});
   const Quat turn(Eigen::AngleAxisf(std::numbers::pi_v<float> / 3, Eigen::Vector3f::UnitZ()));
   for (size_t v = 0; v < bent.size(); ++v) {
@@ -339,7 +339,7 @@ TEST(GltfMorphs, BindingsOfTargetsAddUpToTheBlendedSkin) {
   const SkinnedMesh skin = readGltfSkin(samples::armGlb(swellingArm()), "arm.glb");
   std::vector<JointTransform> locals = skin.skeleton.rest();
   skin.clips[0].pose(0.7, locals);
-  const std::vector<Placement> world = skin.skeleton.place(locals);
+  const std::vector<Placement> world = skin.skeleton.worldTransforms(locals);
   const std::vector<float> weights{0.8f};
   const std::vector<Placement> bindings = skin.bindingsAt(world, weights);
   ASSERT_EQ(bindings.size(), skin.bindings.size() + skin.target_bindings.size());

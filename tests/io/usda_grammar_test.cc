@@ -26,7 +26,7 @@ void expectLock(const std::string& text) {
     const RawGroom groom = readText(text);
     EXPECT_EQ(groom.strands.positions, (std::vector<Vec3>{{0, 0, 0}, {0, 4, 0}}));
     EXPECT_FLOAT_EQ(groom.unit_meters, 0.01f);
-    EXPECT_EQ(groom.report.leftOutLine(), "");
+    EXPECT_EQ(groom.report.omissionsLine(), "");
     EXPECT_TRUE(groom.report.warnings.empty()) << groom.report.warnings[0];
   } catch (const Error& error) {
     ADD_FAILURE() << error.what();
@@ -211,7 +211,7 @@ TEST(UsdaTransforms, APrimThatCannotBePlacedDoesNotCostTheOthers) {
                              "\"]\n" + lockPrim("lost") + "}\n";
     const RawGroom groom = readText(kHead + prim + lockPrim("lock"));
     EXPECT_EQ(groom.strands.strands(), 1u) << bad;
-    EXPECT_NE(groom.report.leftOutLine().find("1 prim that cannot be read (/g/lost: "), std::string::npos)
+    EXPECT_NE(groom.report.omissionsLine().find("1 prim that cannot be read (/g/lost: "), std::string::npos)
         << bad;
     expectError([&] { readText(kHead + prim); }, {"line 4", name});
   }
@@ -226,7 +226,7 @@ std::vector<float> shown(const std::string& prims, std::string* left_out = nullp
   std::vector<float> out;
   for (size_t s = 0; s < groom.strands.strands(); ++s)
     out.push_back(groom.strands.positions[groom.strands.offsets[s]].x());
-  if (left_out != nullptr) *left_out = groom.report.leftOutLine();
+  if (left_out != nullptr) *left_out = groom.report.omissionsLine();
   return out;
 }
 
@@ -336,7 +336,7 @@ TEST(UsdaVariants, WhatAnOverSaysIsKeptWhereverItsDefStands) {
     const RawGroom groom = readText(kHead + groupOf(blocks));
     EXPECT_EQ(groom.strands.positions, (std::vector<Vec3>{{5, 0, 0}, {5, 4, 0}})) << blocks;
     EXPECT_EQ(groom.strands.radii, (std::vector<float>{1, 1})) << blocks;
-    EXPECT_EQ(groom.report.leftOutLine(), "without 1 other primvar (clump)") << blocks;
+    EXPECT_EQ(groom.report.omissionsLine(), "without 1 other primvar (clump)") << blocks;
   }
   const std::string weak_over = variantOf(
       "a", "x", "over \"a\" {\n point3f[] points = [(5, 0, 0), (5, 4, 0)]\n float[] widths = [2, 2]\n}\n");
@@ -459,7 +459,7 @@ TEST(UsdaCurves, CurvesThatFitNoSegmentAreLeftOutAndCounted) {
   for (const auto& [kind, counts, points, said] : rows) {
     const RawGroom groom = read(kind, counts, points);
     ASSERT_EQ(groom.strands.strands(), 2u) << counts;
-    EXPECT_NE(groom.report.leftOutLine().find(said), std::string::npos) << groom.report.leftOutLine();
+    EXPECT_NE(groom.report.omissionsLine().find(said), std::string::npos) << groom.report.omissionsLine();
     EXPECT_FLOAT_EQ(groom.strands.radii.front(), 0.5f);
     EXPECT_FLOAT_EQ(groom.strands.radii.back(), 1.5f) << "values stay with their curves";
   }

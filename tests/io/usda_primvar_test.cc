@@ -75,8 +75,8 @@ void expectValues(const KindOfCurves& kind, const std::string& interpolation, bo
   const RawGroom groom = readPrims(twoCurves(kind, valuesOf(interpolation, count, indexed)));
   const StrandSet& strands = groom.strands;
   ASSERT_EQ(strands.strands(), 2u);
-  ASSERT_EQ(strands.uvs.size(), 2u) << groom.report.leftOutLine();
-  ASSERT_EQ(strands.radii.size(), strands.vertices()) << groom.report.leftOutLine();
+  ASSERT_EQ(strands.uvs.size(), 2u) << groom.report.omissionsLine();
+  ASSERT_EQ(strands.radii.size(), strands.vertices()) << groom.report.omissionsLine();
   EXPECT_TRUE(groom.report.warnings.empty()) << groom.report.warnings[0];
   for (size_t c = 0; c < 2; ++c) {
     ASSERT_EQ(strands.verticesOf(c), kind.vertices[c]);
@@ -244,7 +244,7 @@ TEST(UsdaPrimvars, WhatDoesNotFitIsLeftOutWithTheReason) {
   const auto reason = [](const std::string& more) {
     const RawGroom groom = readPrims(twoCurves(kKinds[2], more));
     EXPECT_TRUE(groom.strands.uvs.empty() && groom.strands.radii.empty());
-    return groom.report.leftOutLine();
+    return groom.report.omissionsLine();
   };
   const std::string st = "texCoord2f[] primvars:st = ";
   const std::pair<std::string, const char*> rows[] = {
@@ -266,14 +266,14 @@ TEST(UsdaPrimvars, WhatDoesNotFitIsLeftOutWithTheReason) {
   EXPECT_EQ(readPrims(twoCurves(kKinds[0],
                                 "color3f[] primvars:displayColor = [(1, 0, 0)]\n"
                                 "int[] primvars:hairId = [1, 2]\nint[] primvars:hairId:indices = [0]\n"))
-                .report.leftOutLine(),
+                .report.omissionsLine(),
             "without colours, 1 other primvar (hairId)");
 }
 
 TEST(UsdaPrimvars, ManyOthersAreCountedInNoTime) {
   std::string more;
   for (int i = 0; i < 20000; ++i) more += "float primvars:q" + std::to_string(i) + " = 1\n";
-  EXPECT_EQ(readPrims(twoCurves(kKinds[0], more)).report.leftOutLine(),
+  EXPECT_EQ(readPrims(twoCurves(kKinds[0], more)).report.omissionsLine(),
             "without 20000 other primvars (q0, q1, q10, ...)");
 }
 
@@ -281,7 +281,7 @@ TEST(UsdaPrimvars, UvsThatChangeAlongAStrandAreSaidToBeLost) {
   const std::string st = "texCoord2f[] primvars:st = [(0, 0), (0, 0.5), (0, 1), (1, 0), (1, 1)] ";
   const RawGroom groom = readPrims(twoCurves(kKinds[0], st + "(interpolation = \"vertex\")\n"));
   EXPECT_EQ(groom.strands.uvs, (std::vector<Vec2>{{0, 0}, {1, 0}}));
-  EXPECT_EQ(groom.report.leftOutLine(), "without UVs along the strands but those of the roots");
+  EXPECT_EQ(groom.report.omissionsLine(), "without UVs along the strands but those of the roots");
 }
 
 }  // namespace

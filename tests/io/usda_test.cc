@@ -122,8 +122,8 @@ TEST(Usda, AGroomIsWrittenBitForBitWithItsUnit) {
             0);
   EXPECT_EQ(again.strands.radii, strands.radii);
   EXPECT_EQ(again.strands.uvs, strands.uvs);
-  EXPECT_EQ(leftOutOf(folder / "a.usda", strands),
-            leftOutOf(folder / "a.hair", readHair(samples::hair(), "wig").strands));
+  EXPECT_EQ(omissionsOf(folder / "a.usda", strands),
+            omissionsOf(folder / "a.hair", readHair(samples::hair(), "wig").strands));
 }
 
 TEST(Usda, FilesSayTheirUnit) {
@@ -187,7 +187,7 @@ TEST(Usda, AUnitThatIsNotGivenIsACentimetreAndThatIsSaid) {
                 {"line 2", "metersPerUnit is out of range"});
 }
 
-TEST(Usda, WhatSeveralFilesLackIsToldOfEach) {
+TEST(Usda, WhatSeveralFilesLackIsReportedEach) {
   const ScratchFolder folder;
   const std::string hidden =
       "( metersPerUnit = 1 )\ndef BasisCurves \"h\" { token visibility = \"invisible\" }\n";
@@ -205,7 +205,7 @@ TEST(Usda, WhatSeveralFilesLackIsToldOfEach) {
 TEST(Usda, NamesInReportsStayOnOneLineAndShort) {
   const RawGroom groom = read("( metersPerUnit = 1 )\ndef BasisCurves \"\"\"a\n\xFF" + std::string(500, 'x') +
                               "\"\"\" { token visibility = \"invisible\" }\n" + curves(""));
-  EXPECT_EQ(groom.report.leftOutLine(),
+  EXPECT_EQ(groom.report.omissionsLine(),
             "without 1 invisible prim (/a\\n\\xff" + std::string(77, 'x') + "...)");
 }
 

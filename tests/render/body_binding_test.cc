@@ -39,7 +39,7 @@ TEST(BodyBinding, VerticesMoveWithTheCollidersOnWhoseSurfacesTheyLie) {
   }
   EXPECT_FALSE(binding.holds(3)) << "far from both";
   const Quat turn(Eigen::AngleAxisf(0.5f, Eigen::Vector3f::UnitZ()));
-  binding.place(
+  binding.setColliderPoses(
       std::vector<PlacedCollider>{{9, {Vec3(0, 0.1f, 0), turn}, {}}, {3, {Vec3(5, 5, 5), turn}, {}}});
   EXPECT_LT((binding.position(0, rest[0]) - rest[0]).norm(), 1e-7f);
   EXPECT_LT((binding.position(1, rest[1]) - (turn * rest[1] + Vec3(0, 0.1f, 0))).norm(), 1e-6f);
@@ -55,7 +55,7 @@ TEST(BodyBinding, VerticesGoWhereABendTakesThem) {
   PlacedCollider bent{4, {Vec3(0, 1, 0), Quat::Identity()}, {}};
   // The point at p was 0.1 p.x lower at rest: a shear, which tilts the normal of the ball's side backwards.
   bent.bend.terms[1] = Vec3(0, -0.1f, 0);
-  binding.place(std::vector<PlacedCollider>{bent});
+  binding.setColliderPoses(std::vector<PlacedCollider>{bent});
   EXPECT_LT((binding.position(0, rest[0]) - Vec3(0.03f, 1.003f, 0)).norm(), 1e-6f);
   EXPECT_LT((binding.normal(0, rest[0], Vec3::UnitX()) - Vec3(1, 0, 0)).norm(), 1e-6f);
   EXPECT_LT((binding.normal(0, rest[0], Vec3::UnitY()) - Vec3(-0.1f, 1, 0).normalized()).norm(), 1e-6f);
@@ -69,14 +69,14 @@ TEST(BodyBinding, PressedSkinIsDrawnWhereItIs) {
   PlacedCollider pressed{4, {Vec3::Zero(), Quat::Identity()}, {}};
   pressed.bend.terms[1] = Vec3(3, 0, 0);  // compression to a quarter
   pressed.bend.terms[4] = Vec3(0, 2, 0);  // points at y = 0 moved to -2 x^2
-  binding.place(std::vector<PlacedCollider>{pressed});
+  binding.setColliderPoses(std::vector<PlacedCollider>{pressed});
   EXPECT_LT((binding.position(0, rest[0]) - Vec3(0.0075f, -2 * 0.0075f * 0.0075f, 0)).norm(), 2e-6f);
   // Where the bend has no inverse, the vertex is drawn at the nearest reachable position.
   pressed.bend.terms[1] = Vec3::Zero();
   pressed.bend.terms[4] = Vec3(20, 0, 0);  // no rest point maps to x < -1 / 80
   const std::vector<Vec3> beyond{Vec3(-0.03f, 0, 0)};
   BodyBinding folded(beyond, bodyParts(std::vector<HairObstacle>{ballAt(Vec3::Zero(), 4)}));
-  folded.place(std::vector<PlacedCollider>{pressed});
+  folded.setColliderPoses(std::vector<PlacedCollider>{pressed});
   EXPECT_LT((folded.position(0, beyond[0]) - Vec3(-0.025f, 0, 0)).norm(), 3e-3f);
 }
 
@@ -88,7 +88,8 @@ Off offTheBlendedSkin(bool with_bends) {
   const SkinnedMesh skin = readGltfSkin(samples::armGlb(), "arm.glb");
   std::vector<JointTransform> locals = skin.skeleton.rest();
   skin.clips.at(0).pose(1, locals);  // bent by 60 degrees
-  const std::vector<Placement> world = skin.skeleton.place(locals), bindings = skin.bindingsAt(world);
+  const std::vector<Placement> world = skin.skeleton.worldTransforms(locals),
+                               bindings = skin.bindingsAt(world);
   std::vector<HairObstacle> obstacles;
   std::vector<PlacedCollider> placed;
   for (const SkinPart& part : cutSkin(skin)) {
@@ -104,7 +105,7 @@ Off offTheBlendedSkin(bool with_bends) {
     placed.push_back({id, pose, with_bends ? partBend(part, bindings, pose) : SurfaceBend()});
   }
   BodyBinding binding(skin.mesh.positions, bodyParts(obstacles));
-  binding.place(placed);
+  binding.setColliderPoses(placed);
   const std::vector<Vec3> blended = skin.blended(world);
   Off off;
   for (size_t v = 0; v < blended.size(); ++v) {

@@ -144,13 +144,13 @@ TEST_F(Culling, BoxesOfGroupsHoldTheirHairs) {
 }
 
 TEST_F(Culling, DetailHoldsStillWhileTheSizeWavers) {
-  HeldSize held;
+  HysteresisSize held;
   const float first = held.of(1, 0.1f);
   EXPECT_NEAR(first, 1.1f, 1e-6f);
   for (const float size : {0.95f, 1.09f, 1.0f, 0.92f}) EXPECT_EQ(held.of(size, 0.1f), first);
   EXPECT_NEAR(held.of(1.2f, 0.1f), 1.32f, 1e-6f) << "grows at once: never too coarse";
   EXPECT_NEAR(held.of(1.0f, 0.1f), 1.1f, 1e-6f) << "and falls where it leaves the band";
-  for (const float size : {1.0f, 3.0f, 0.5f}) EXPECT_EQ(HeldSize().of(size, 0), size);
+  for (const float size : {1.0f, 3.0f, 0.5f}) EXPECT_EQ(HysteresisSize().of(size, 0), size);
 
   settings_.detail = {0, 0, 0.1f, 1};
   settings_.hair_width = 2e-4f;

@@ -39,7 +39,9 @@ class GuidesOnABall : public ::testing::Test {
     roots_.setObstacles(std::vector<HairObstacle>{ball()});
     rest_ = rootFrame(guides_.strand(0)).normal;
   }
-  void placeBall(const Pose& pose) { roots_.place(std::vector<PlacedCollider>{{kBall, pose, {}}}); }
+  void placeBall(const Pose& pose) {
+    roots_.setColliderPoses(std::vector<PlacedCollider>{{kBall, pose, {}}});
+  }
   static Pose turnedBy(float angle, const Eigen::Vector3f& axis) {
     return {Vec3(0.1f, 0, 0), Quat(Eigen::AngleAxisf(angle, axis))};
   }

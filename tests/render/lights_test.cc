@@ -104,7 +104,7 @@ TEST_F(Lights, APictureIsTheSumOfThoseWithOneLightEach) {
   expectSum(lights);
   std::vector<Light> most = lights;
   most.push_back(pointLight(Vec3(0, -0.05f, 0.4f), 0.03f));
-  ASSERT_EQ(most.size(), kMostLights);
+  ASSERT_EQ(most.size(), kMaxLights);
   settings_.shading = HairShading::kFragment;
   expectSum(most);
 }
@@ -174,7 +174,7 @@ TEST_F(Lights, MoreThanThereMayBeAreLeftOut) {
   std::vector<Light> lights(9, three()[1]);
   for (size_t i = 0; i < lights.size(); ++i) lights[i].position.x() += 0.1f * static_cast<float>(i);
   const Image nine = draw(lights);
-  lights.resize(kMostLights);
+  lights.resize(kMaxLights);
   EXPECT_EQ(nine.rgb, draw(lights).rgb);
 }
 

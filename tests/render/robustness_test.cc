@@ -51,7 +51,7 @@ TEST_F(PassTimes, OfASoftwareRendererAreWholeAndOfThePassThatTookThem) {
 }
 
 // llvmpipe gives four samples for two or three.
-TEST_F(RendererInput, HoweverManySamplesAreAskedForThoseOfTheDeviceAreTold) {
+TEST_F(RendererInput, HoweverManySamplesAreAskedForThoseOfTheDeviceAreReported) {
   for (const int wanted : {0, 1, 2, 3, 4, 8, 1000}) {
     const PictureBuffer picture(8, 8, wanted);
     picture.bindForDrawing();

@@ -90,7 +90,7 @@ TEST(FieldCache, AFileOfWhichOneBitIsAnotherIsBakedAnewAndReplaced) {
   EXPECT_TRUE(fieldOf(ball, options, cache, progress).from_cache) << "it has taken the damaged one's place";
 }
 
-TEST(FieldCache, TimeAndMemoryOfABakeAreToldFromItsBeginningOn) {
+TEST(FieldCache, TimeAndMemoryOfABakeAreReportedFromItsBeginningOn) {
   const ScratchFolder folder;
   FieldOptions options;
   options.cell = 0.01f;

@@ -49,7 +49,8 @@ TEST(FineSkin, ItsVerticesStayInTheFlatTrianglesOfTheMesh) {
   std::vector<JointTransform> locals = skin.skeleton.rest();
   for (const double seconds : {0.0, 0.5, 1.0}) {
     skin.clips.at(0).pose(seconds, locals);
-    const std::vector<Placement> world = skin.skeleton.place(locals), bindings = skin.bindingsAt(world);
+    const std::vector<Placement> world = skin.skeleton.worldTransforms(locals),
+                                 bindings = skin.bindingsAt(world);
     TriangleMesh bent = skin.mesh;
     bent.positions = skin.blended(world);
     const MeshQuery query(bent);

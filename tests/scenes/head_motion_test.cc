@@ -104,7 +104,7 @@ TEST(HeadMotion, AClipIsScaledByItsUnit) {
   EXPECT_NEAR(large.apply(kPivot).x(), 10 * side, 1e-4);
 }
 
-TEST(HeadMotion, TheUnitOfAClipIsToldOfAndFoundByTheBodyWhereItMatches) {
+TEST(HeadMotion, TheUnitOfAClipIsReportedAndFoundByTheBodyWhereItMatches) {
   const ScratchFile file("told.bvh", kSampleClip);
   std::vector<std::string> notes, warnings;
   const auto sideWith = [&](const ClipMotionOptions& options) {
@@ -137,7 +137,7 @@ TEST(HeadMotion, TheUnitOfAClipIsToldOfAndFoundByTheBodyWhereItMatches) {
   EXPECT_NE(warnings[0].find("4 times as long as the body's"), std::string::npos) << warnings[0];
 }
 
-TEST(HeadMotion, TravelIsToldOfWhereThereIsSome) {
+TEST(HeadMotion, TravelIsReportedWhereThereIsSome) {
   std::vector<std::string> notes;
   std::string back = kSampleClip, turned = kSampleClip;
   back.replace(back.rfind("0 1 4"), 5, "0 1 0");

@@ -293,7 +293,7 @@ TEST_F(ScenePrimitives, AStandingMeshThatTouchesTheBodyIsWarnedOf) {
   EXPECT_FALSE(warned()) << "it is away from it";
 }
 
-TEST_F(ScenePrimitives, AMeshOfAnUnlikelySizeIsToldOfAsItsUnit) {
+TEST_F(ScenePrimitives, AMeshOfAnUnlikelySizeIsReportedAsItsUnit) {
   const std::filesystem::path box = write("box.obj", shapes::box(Vec3(0.1f, 0.02f, 0.05f)));
   for (const auto& [unit, size] :
        {std::pair{1000.0f, "200 m"}, {101.0f, "20.2 m"}, {1.0f, ""}, {0.004f, "0.0008 m"}}) {

@@ -262,7 +262,7 @@ TEST_F(BallScene, BodiesKeepThickHairOffByItsRadius) {
   EXPECT_GT(nearest, 1.9e-3f) << "of what stands free of the ball at rest";
 }
 
-TEST_F(BallScene, SpheresThatAreNotThereAreToldOfAsItIs) {
+TEST_F(BallScene, SpheresThatAreNotThereAreReportedAsItIs) {
   options_.body_contact = BodyContact::kSpheres;
   options_.body_primitives = 0;
   const Scene none = makeScene(options_);
@@ -354,7 +354,7 @@ TEST_F(BallScene, AGuessedUnitStaysWhereRootsLieOnTheBodyInAnother) {
   }
 }
 
-TEST_F(BallScene, HairAndBodyOfOtherSizesAreToldOfAsUnits) {
+TEST_F(BallScene, HairAndBodyOfOtherSizesAreReportedAsUnits) {
   EXPECT_FALSE(isIn(makeScene(options_).warnings, "m large and the body"));
   for (const auto& [unit, cell] : {std::pair{1e-3f, 5e-5f}, {1000.0f, 20.0f}}) {
     options_.body_units.unit_meters = unit;

@@ -31,7 +31,7 @@ Blended blendedAt(const SkinnedMesh& skin, const std::vector<SkinPart>& parts, d
                   size_t clip = 0) {
   std::vector<JointTransform> locals = skin.skeleton.rest();
   skin.clips.at(clip).pose(seconds, locals);
-  const std::vector<Placement> world = skin.skeleton.place(locals);
+  const std::vector<Placement> world = skin.skeleton.worldTransforms(locals);
   Blended out;
   out.skin = skin.mesh;
   out.skin.positions = skin.blended(world);
@@ -113,13 +113,14 @@ TEST(SkinParts, AJointsOwnPartGoesWithIt) {
   const std::vector<SkinPart> parts = cutSkin(skin);
   std::vector<JointTransform> locals = skin.skeleton.rest();
   skin.clips.at(0).pose(0.7, locals);
-  const std::vector<Placement> world = skin.skeleton.place(locals);
+  const std::vector<Placement> world = skin.skeleton.worldTransforms(locals);
   for (const SkinPart& part : parts) {
     const int joint = skin.skeleton.find(part.name);
     if (joint < 0) continue;
     const Pose pose = partPose(part, skin.bindingsAt(world));
-    const Placement moved = world[static_cast<size_t>(joint)] *
-                            skin.skeleton.place(skin.skeleton.rest())[static_cast<size_t>(joint)].inverse();
+    const Placement moved =
+        world[static_cast<size_t>(joint)] *
+        skin.skeleton.worldTransforms(skin.skeleton.rest())[static_cast<size_t>(joint)].inverse();
     for (const Vec3& p : part.mesh.positions)
       EXPECT_LT((pose.apply(p) - (moved * p.cast<double>()).cast<float>()).norm(), 1e-6f) << part.name;
   }
@@ -171,12 +172,12 @@ TEST(SkinParts, FollowABentArmOfFewTriangles) {
 
 // docs/architecture.md, "Skinned bodies", quotes these numbers.
 TEST(SkinParts, FollowARealFox) {
-  if (!thorough()) GTEST_SKIP() << kLeftToThorough;
+  if (!thorough()) GTEST_SKIP() << kSkippedUnlessThorough;
   const auto file = dataFolder() / "motion" / "Fox.glb";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << " (set STRANDCAST_DATA)";
   const SkinnedMesh skin = loadSkinnedMesh(file, {0.01f, UpAxis::kAuto});
   const std::vector<SkinPart> parts = cutSkin(skin);
-  EXPECT_LE(parts.size(), kMostSkinParts);
+  EXPECT_LE(parts.size(), kMaxSkinParts);
   constexpr int kLooks = 8;
   for (size_t clip = 0; clip < skin.clips.size(); ++clip) {
     Apart all;
@@ -225,7 +226,7 @@ TEST(SkinParts, PlacesOffTheSkinAreInNoPart) {
 
 TEST(SkinParts, AtRestNothingIsBent) {
   const SkinnedMesh skin = readGltfSkin(samples::armGlb(), "arm.glb");
-  const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest());
+  const std::vector<Placement> world = skin.skeleton.worldTransforms(skin.skeleton.rest());
   for (const SkinPart& part : cutSkin(skin)) {
     const Pose pose = partPose(part, skin.bindingsAt(world));
     EXPECT_TRUE(partBend(part, skin.bindingsAt(world), pose).isNone()) << part.name;
@@ -242,7 +243,7 @@ samples::ArmOptions swellingArm(float bulge) {
 
 /// The skin and its parts at a weight of its only target.
 Blended swollen(const SkinnedMesh& skin, const std::vector<SkinPart>& parts, float weight) {
-  const std::vector<Placement> world = skin.skeleton.place(skin.skeleton.rest()),
+  const std::vector<Placement> world = skin.skeleton.worldTransforms(skin.skeleton.rest()),
                                bindings = skin.bindingsAt(world, std::vector<float>{weight});
   Blended out;
   out.skin = skin.mesh;
@@ -317,7 +318,7 @@ TEST(SkinParts, MoreJointsThanTheWireHasPlacesForGetFewerPartsBetween) {
   options.bone = 0.05f;
   options.blend = 0.02f;
   options.sectors = 8;
-  EXPECT_LE(cutSkin(readGltfSkin(samples::armGlb(options), "worm.glb")).size(), kMostSkinParts);
+  EXPECT_LE(cutSkin(readGltfSkin(samples::armGlb(options), "worm.glb")).size(), kMaxSkinParts);
   for (int j = 40; j < 120; ++j) options.joints.push_back("joint" + std::to_string(j));
   expectError([&] { cutSkin(readGltfSkin(samples::armGlb(options), "worm.glb")); },
               {"worm.glb", "120 joints carry the mesh", "100 at most"});

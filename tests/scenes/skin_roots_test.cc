@@ -228,7 +228,7 @@ TEST_F(SkinRootsOfAnArm, ShareBonesWhereThereAreTooFew) {
   const std::vector<Placement> bent = [&] {
     std::vector<JointTransform> locals = skin.skeleton.rest();
     locals[1].rotation = Quat(Eigen::AngleAxisf(60 * kDegree, Eigen::Vector3f::UnitZ()));
-    return skin.bindingsAt(skin.skeleton.place(locals));
+    return skin.bindingsAt(skin.skeleton.worldTransforms(locals));
   }();
   std::vector<Pose> exact(each.bones() + 1), shared(few.bones() + 1);
   each.place(bent, {}, std::span(exact).subspan(1));
@@ -344,7 +344,7 @@ Worst worstOfFur(const Scene& scene) {
   TriangleMesh skin = scene.body;
   for (int step = 1; step <= 300; ++step) {
     stepWith(scene, simulation);
-    worst.reset += simulation.resetBroken();
+    worst.reset += simulation.resetDiverged();
     if (step % 10 != 0) continue;
     const Measurement now = simulation.measure();
     worst.measured.non_finite += now.non_finite;
@@ -383,7 +383,7 @@ TEST_F(SkinRootsOfAnArm, ResetPutsStrandsWhereTheirRootsAre) {
   const StrandState rest = restState(simulation.model(), simulation.rootPoses()), now = simulation.state();
   for (size_t v = 0; v < rest.positions.size(); ++v)
     ASSERT_LT((now.positions[v] - rest.positions[v]).norm(), 1e-6f);
-  EXPECT_EQ(simulation.resetBroken(), 0u);
+  EXPECT_EQ(simulation.resetDiverged(), 0u);
 }
 
 TEST_F(SkinRootsOfAnArm, AFarWalkersStayOnItsSkinFromAnOriginOfItsOwn) {
@@ -397,7 +397,7 @@ TEST_F(SkinRootsOfAnArm, AFarWalkersStayOnItsSkinFromAnOriginOfItsOwn) {
     const Pose head{std::min(0.005f * static_cast<float>(step), 1.0f) * far.position, far.rotation};
     moveTo(scene.skinned.get(), t, head, simulation);
     simulation.step();
-    EXPECT_EQ(simulation.resetBroken(), 0u);
+    EXPECT_EQ(simulation.resetDiverged(), 0u);
   }
   EXPECT_GT(simulation.origin().z(), 30);
   const std::vector<Vec3> skin = scene.skinned->surface(t, far);

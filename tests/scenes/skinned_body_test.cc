@@ -303,7 +303,7 @@ TEST(SkinnedScene, AWalkingFigureOf600StepsLeavesAllHairFinite) {
     const double end = simulation.time() + static_cast<double>(simulation.parameters().time_step);
     moveTo(scene.skinned.get(), end, scene.motion(end), simulation);
     simulation.step();
-    EXPECT_EQ(simulation.resetBroken(), 0u);
+    EXPECT_EQ(simulation.resetDiverged(), 0u);
     if (step % 20 != 0) continue;
     const Measurement now = simulation.measure();
     worst.non_finite += now.non_finite;
@@ -486,7 +486,7 @@ TEST(SkinnedBody, OfSeveralMorphingNodesTheJointsToChooseFromAreNamed) {
   EXPECT_EQ(SkinnedBody(two, {"swell", "beard"}).joint(), "beard");
 }
 
-TEST(SkinnedBody, TheTravelOfAClipOfItsOwnIsToldOfInMetres) {
+TEST(SkinnedBody, TheTravelOfAClipOfItsOwnIsReportedInMetres) {
   // The neck moves through the positions of the skin's first three vertices.
   const auto bytes = samples::armGltf(samples::smallArm());
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -223,7 +223,7 @@ TEST(Codec, BlocksOfBitsAreReadBackAndEndWhereTheyEnd) {
       }
       std::vector<uint8_t> first;
       for (const StrandCoder& coder : coders) {
-        std::vector<uint8_t> room(mostPackedBytes(count));
+        std::vector<uint8_t> room(maxPackedBytes(count));
         room.resize(static_cast<size_t>(coder.pack(numbers, room.data()) - room.data()));
         // An exact allocation, so that sanitizers detect reads beyond its end
         const std::vector<uint8_t> bytes(room.begin(), room.end());
@@ -249,11 +249,11 @@ TEST(Codec, BlocksOfBitsAreAsTheyAreDescribed) {
   const uint8_t expected[] = {0x83,              // 3 bits, then 8
                               0x0a, 0x08, 0x00,  // 2, 1, 0, 4, 0 ...
                               200,  0,    0,    0, 0, 0, 0, 0};
-  std::vector<uint8_t> bytes(mostPackedBytes(numbers.size()));
+  std::vector<uint8_t> bytes(maxPackedBytes(numbers.size()));
   bytes.resize(static_cast<size_t>(strandCoder().pack(numbers, bytes.data()) - bytes.data()));
   EXPECT_EQ(bytes, std::vector<uint8_t>(std::begin(expected), std::end(expected)));
   const std::vector<uint16_t> wide = {0x2000, 0xe000, 0, 0, 0, 0, 0, 0};  // 15 bits are written as 16
-  bytes.resize(mostPackedBytes(wide.size()));
+  bytes.resize(maxPackedBytes(wide.size()));
   bytes.resize(static_cast<size_t>(strandCoder().pack(wide, bytes.data()) - bytes.data()));
   ASSERT_EQ(bytes.size(), 17u);
   EXPECT_EQ(bytes[0], 0x0f);

@@ -66,7 +66,7 @@ TEST(Colliders, ManyChunksInAnyOrder) {
   EXPECT_TRUE(nothing->colliders.empty());
 }
 
-TEST(Colliders, AFieldThatIsTooLargeIsToldOf) {
+TEST(Colliders, AFieldThatIsTooLargeIsReported) {
   const ColliderSet set = withField(static_cast<uint32_t>(kMaxColliderWords / kBrickWords) + 1);
   const auto received = assembled(splitColliders(set));
   ASSERT_TRUE(received);
@@ -130,7 +130,7 @@ TEST(Colliders, FramesSayWhereTheyAre) {
            [](GuideChunk& c) { c.colliders.assign(kMaxPlacedColliders + 1, 0); },
            [](GuideChunk& c) { c.bent_colliders[0] = 9; }, [](GuideChunk& c) { c.collider_bends.pop_back(); },
            [](GuideChunk& c) { c.collider_bends[20] = std::numeric_limits<float>::quiet_NaN(); },
-           [](GuideChunk& c) { c.collider_bends[20] = 2 * kMostBendNumber; },
+           [](GuideChunk& c) { c.collider_bends[20] = 2 * kMaxBendNumber; },
            [](GuideChunk& c) {
              c.bent_colliders.push_back(c.bent_colliders[0]);
              c.collider_bends.resize(2 * kBendNumbers);

@@ -196,12 +196,12 @@ TEST(Concealment, ACollidersTurnAndWayGoOn) {
   std::vector<PlacedCollider> out;
   motion.extrapolate(0.1, out);
   EXPECT_TRUE(out.empty());
-  motion.learn(std::vector<PlacedCollider>{{1, at(0), {}}, {2, at(1), {}}}, 0);
+  motion.record(std::vector<PlacedCollider>{{1, at(0), {}}, {2, at(1), {}}}, 0);
   motion.extrapolate(0.01, out);
   ASSERT_EQ(out.size(), 2u);
   EXPECT_EQ(out[0].pose.position, at(0).position) << "it cannot be said whither";
-  motion.learn(std::vector<PlacedCollider>{{2, at(1), sampleBend(3)}, {1, at(0.02), {}}, {3, at(2), {}}},
-               0.02);
+  motion.record(std::vector<PlacedCollider>{{2, at(1), sampleBend(3)}, {1, at(0.02), {}}, {3, at(2), {}}},
+                0.02);
   const auto expectAt = [&](double now, double place) {
     motion.extrapolate(now, out);
     ASSERT_EQ(out.size(), 3u);

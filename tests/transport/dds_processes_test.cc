@@ -58,15 +58,15 @@ TEST_F(DdsProcesses, AKilledDaemonDoesNotBlockTheNextStart) {
   auto first = std::make_unique<Peer>(std::vector<std::string>{"publish", domain(10), "60"});
   ASSERT_TRUE(reader.waitFor("first_frame")) << reader.text();
   {
-    Peer rival({"publish", domain(10), "1"});
-    EXPECT_TRUE(rival.waitFor("rival")) << rival.text();
+    Peer conflict({"publish", domain(10), "1"});
+    EXPECT_TRUE(conflict.waitFor("rival")) << conflict.text();
   }
   const auto watcher = makeDdsPublisher({testDomain(10), 1, 77, {Codec::kFloat32}});
   const auto wait_for_rival = [&](bool expected) {
-    for (int i = 0; i < 600 && watcher->rival().has_value() != expected; ++i) {
+    for (int i = 0; i < 600 && watcher->conflict().has_value() != expected; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    return watcher->rival().has_value() == expected;
+    return watcher->conflict().has_value() == expected;
   };
   EXPECT_TRUE(wait_for_rival(true));
   first->kill();
@@ -89,7 +89,8 @@ TEST_F(DdsProcesses, OneShotCommandsReachTheDaemonAndAreAcknowledged) {
     const auto status = observer->status();
     ASSERT_TRUE(status && status->last_command == id)
         << "command " << id << ", status " << (status ? std::to_string(status->last_command) : "gone") << ", "
-        << observer->statistics().frames_received << " frames received; the daemon " << publisher.autopsy();
+        << observer->statistics().frames_received << " frames received; the daemon "
+        << publisher.exitReport();
   }
   Peer lost({"send", domain(13), "1"});
   lost.finish();

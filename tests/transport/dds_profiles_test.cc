@@ -87,7 +87,7 @@ TEST(DdsProfiles, ReadersKilledOnSharedMemoryComeBack) {
 }
 
 /// Arguments for a transport_peer that runs as another user; requires root.
-std::vector<std::string> asNobody(std::vector<std::string> arguments) {
+std::vector<std::string> asOtherUser(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(),
                    {"--reuid=65534", "--regid=65534", "--clear-groups", STRANDCAST_TRANSPORT_PEER});
   return arguments;
@@ -105,9 +105,9 @@ TEST(DdsProfiles, SharedMemoryOfAnotherUserIsLeftForUdp) {
     EXPECT_NE(reader.text().find("another user"), std::string::npos) << who << reader.text();
   };
   const std::string domain = std::to_string(testDomain(10)), other = std::to_string(testDomain(11));
-  Peer daemon({"cast", domain, "60"}), others_daemon(asNobody({"cast", other, "60"}), kAsOther);
-  Peer others_reader(asNobody({"read", domain, "1", "0"}), kAsOther), reader({"read", other, "1", "0"});
-  Peer sender(asNobody({"send", domain, "101"}), kAsOther);
+  Peer daemon({"cast", domain, "60"}), others_daemon(asOtherUser({"cast", other, "60"}), kAsOther);
+  Peer others_reader(asOtherUser({"read", domain, "1", "0"}), kAsOther), reader({"read", other, "1", "0"});
+  Peer sender(asOtherUser({"send", domain, "101"}), kAsOther);
   expectFrames(others_reader, "another user's reader");
   expectFrames(reader, "a reader of another user's daemon");
   sender.finish();

@@ -113,7 +113,7 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   EXPECT_TRUE(becomesTrue([&] { return subscriber->statistics().chunks_rejected == rejected + 1; }));
   EXPECT_EQ(subscriber->status()->backend, "simd") << "what does not fit is dropped";
   EXPECT_EQ(subscriber->status()->session, 11u);
-  EXPECT_FALSE(publisher->rival()) << "its own status is no rival's";
+  EXPECT_FALSE(publisher->conflict()) << "its own status is no rival's";
 }
 
 TEST_F(Dds, FramesThatBuildOnEachOtherReachEarlyAndLateReaders) {
@@ -226,7 +226,7 @@ TEST_F(Dds, GroomsDoNotMixButAllStatusesAreSeen) {
   EXPECT_EQ(reader->status()->session, 22u);
   ASSERT_TRUE(becomesTrue([&] { return second->matchedReaders() == 1; }));
   EXPECT_EQ(first->matchedReaders(), 0u);
-  EXPECT_FALSE(first->rival());
+  EXPECT_FALSE(first->conflict());
   Command command;
   command.id = 5;
   reader->send(command);
@@ -241,10 +241,10 @@ TEST_F(Dds, ARivalIsHeardAndForgotten) {
   const int domain = testDomain(3);
   const auto first = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
   auto second = makeDdsPublisher({domain, 1, 22, {Codec::kFloat32}});
-  EXPECT_TRUE(becomesTrue([&] { return second->rival() == Rival{11}; }, kRivalListenTime));
-  EXPECT_TRUE(becomesTrue([&] { return first->rival() == Rival{22}; }, kRivalListenTime));
+  EXPECT_TRUE(becomesTrue([&] { return second->conflict() == ConflictingDaemon{11}; }, kConflictListenTime));
+  EXPECT_TRUE(becomesTrue([&] { return first->conflict() == ConflictingDaemon{22}; }, kConflictListenTime));
   second.reset();
-  EXPECT_TRUE(becomesTrue([&] { return !first->rival(); }));
+  EXPECT_TRUE(becomesTrue([&] { return !first->conflict(); }));
 }
 
 /// Makes a publisher that shares groom 1.
@@ -273,7 +273,7 @@ TEST_F(Dds, AStatusGoesWithTheTurnOfWhoSharesAGroom) {
       for (Publisher* const publisher : publishers) {
         publisher->publish(sampleFrame(groom, number));
         publisher->publishStatus(status);
-        EXPECT_FALSE(publisher->rival()) << "they share the groom";
+        EXPECT_FALSE(publisher->conflict()) << "they share the groom";
       }
       return isTheOne(*reader, session);
     });
@@ -337,7 +337,7 @@ TEST_F(Dds, AStrongerClaimantSilencesNobodyBeforeItHasFrames) {
   longest = {};
   auto second = claimant(domain, groom, 22, 2);
   EXPECT_EQ(castsFor(3000, {first.get()}), 11u) << "it listens, and makes its simulation";
-  EXPECT_FALSE(second->rival()) << "they share the groom";
+  EXPECT_FALSE(second->conflict()) << "they share the groom";
   EXPECT_EQ(castsFor(1000, {first.get(), second.get()}), 22u);
   EXPECT_LT(longest, milliseconds(500));
   second.reset();

@@ -125,7 +125,7 @@ TEST_F(Faults, AStandbyTakesOverWithinHalfASecond) {
     if (frame && frame->session != session) taken = Clock::now();
     std::this_thread::sleep_for(milliseconds(1));
   }
-  ASSERT_NE(taken, Clock::time_point()) << standby.autopsy();
+  ASSERT_NE(taken, Clock::time_point()) << standby.exitReport();
   const double ms = std::chrono::duration<double, std::milli>(taken - killed).count();
   EXPECT_LE(ms, 500);
   std::printf("the standby's first frame came %.0f ms after the kill\n", ms);

@@ -90,7 +90,7 @@ TEST(FramePlayer, SmoothMovesEvenlyThroughJitter) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> jitter(0, 0.6 * kInterval);
   uint64_t arrived = 0;
-  double due = kStart + kInterval + jitter(random), shown = 0, largest_step = 0, least_step = 1, worst = 0;
+  double due = kStart + kInterval + jitter(random), shown = 0, largest_step = 0, min_step = 1, worst = 0;
   for (int picture = 0; picture < 600; ++picture) {
     const double now = kStart + picture * kPicture;
     while (due <= now) {
@@ -101,7 +101,7 @@ TEST(FramePlayer, SmoothMovesEvenlyThroughJitter) {
     if (!frame) continue;
     if (picture >= 250) {  // the clock offset has converged
       largest_step = std::max(largest_step, frame->simulation_time - shown);
-      least_step = std::min(least_step, frame->simulation_time - shown);
+      min_step = std::min(min_step, frame->simulation_time - shown);
       // The exact position of the hair at that time.
       GuideFrame truth = hairFrame(stream.sent(), frame->frame);
       const double number = frame->simulation_time * 60;
@@ -113,7 +113,7 @@ TEST(FramePlayer, SmoothMovesEvenlyThroughJitter) {
     shown = frame->simulation_time;
   }
   EXPECT_NEAR(largest_step, kPicture, 0.25 * kPicture);
-  EXPECT_NEAR(least_step, kPicture, 0.25 * kPicture);
+  EXPECT_NEAR(min_step, kPicture, 0.25 * kPicture);
   EXPECT_LT(worst, 0.02) << "m, of motion within a frame";
   const PlayoutStatistics statistics = player.statistics();
   EXPECT_GE(statistics.delay_ms, 1e3 * kInterval);

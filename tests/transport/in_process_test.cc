@@ -32,7 +32,7 @@ TEST(InProcess, DescriptionsAndFramesArrive) {
   EXPECT_TRUE(isSampleFrame(*frame));
   EXPECT_EQ(frame->groom_id, 7u);
   EXPECT_EQ(publisher->matchedReaders(), 1u);
-  EXPECT_FALSE(publisher->rival());
+  EXPECT_FALSE(publisher->conflict());
 }
 
 TEST(InProcess, WaitForFrameGivesTheOldestNewerOne) {

@@ -81,7 +81,7 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
   EXPECT_EQ(throughGenerated<strandcast_v6::command_t>(command, command_back).values, command.values);
   EXPECT_EQ(command_back.name, "nod");
   EXPECT_EQ(command_back.kind, CommandKind::kHeadMotion);
-  ReaderSign sign{99, 3, true}, sign_back;
+  ReaderHeartbeat sign{99, 3, true}, sign_back;
   EXPECT_EQ(throughGenerated<strandcast_v6::reader_t>(sign, sign_back).wants_groom, 1);
   EXPECT_TRUE(sign_back.wants_groom);
   Status status, status_back;

@@ -94,7 +94,7 @@ void expectEverything(Publisher& publisher, Subscriber& subscriber, const GroomD
   EXPECT_EQ(namedValues(subscriber.status()->parameters), namedValues(status.parameters));
   EXPECT_EQ(subscriber.status()->session, 11u);
   EXPECT_EQ(subscriber.status()->encoding.frame_bytes, publisher.encoding().frame_bytes);
-  EXPECT_FALSE(publisher.rival()) << "its own status is no rival's";
+  EXPECT_FALSE(publisher.conflict()) << "its own status is no rival's";
 }
 
 TEST(Lcm, GroomFramesStatusAndCommandsGoThrough) {
@@ -245,10 +245,12 @@ TEST(Lcm, RivalsHearEachOtherAndSilenceIsNoticed) {
   auto first = makeLcmPublisher(link, options(11));
   const auto second = makeLcmPublisher(link, options(12));
   const auto reader = makeLcmSubscriber(link, options(0));
-  EXPECT_TRUE(becomesTrue([&] { return first->rival() == Rival{12} && second->rival() == Rival{11}; }));
+  EXPECT_TRUE(becomesTrue([&] {
+    return first->conflict() == ConflictingDaemon{12} && second->conflict() == ConflictingDaemon{11};
+  }));
   EXPECT_TRUE(becomesTrue([&] { return reader->allStatuses().size() == 2; }));
   first.reset();
-  EXPECT_TRUE(becomesTrue([&] { return !second->rival(); }));
+  EXPECT_TRUE(becomesTrue([&] { return !second->conflict(); }));
   EXPECT_TRUE(becomesTrue([&] { return reader->allStatuses().size() == 1; }));
 }
 
@@ -394,7 +396,7 @@ TEST(Lcm, CommandsAreObeyedOnceAndAnsweredThroughLosses) {
 /// Counts the messages that a thread sends.
 class ThreadCountingLink final : public MessageLink {
  public:
-  std::vector<Listening> listen(std::vector<Channel> channels) override {
+  std::vector<Subscription> listen(std::vector<Channel> channels) override {
     return link_.listen(std::move(channels));
   }
   void send(const std::string& channel, std::span<const uint8_t> message) override {

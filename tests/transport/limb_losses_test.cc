@@ -59,7 +59,7 @@ Cast furryLimb() {
   }
   while (simulation.time() < kStart + kSeconds) {
     stepWith(scene, simulation);
-    simulation.resetBroken();
+    simulation.resetDiverged();
     if (simulation.time() < kStart) continue;
     GuideFrame& frame = cast.frames.emplace_back();
     frame.groom_id = 1;

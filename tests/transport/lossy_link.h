@@ -32,13 +32,13 @@ class LossyLink final : public MessageLink {
     changed_.notify_all();
     thread_.join();
   }
-  std::vector<Listening> listen(std::vector<Channel> channels) override {
+  std::vector<Subscription> listen(std::vector<Channel> channels) override {
     const std::lock_guard lock(mutex_);
-    std::vector<Listening> out;
+    std::vector<Subscription> out;
     for (Channel& channel : channels) {
-      auto ear = std::make_shared<Ear>(std::move(channel.handler));
-      ears_.emplace(channel.name, ear);
-      out.push_back(listening(std::move(ear)));
+      auto slot = std::make_shared<HandlerSlot>(std::move(channel.handler));
+      subscriptions_.emplace(channel.name, slot);
+      out.push_back(makeSubscription(std::move(slot)));
     }
     return out;
   }
@@ -85,10 +85,11 @@ class LossyLink final : public MessageLink {
       const Message message = std::move(queue_.front());
       queue_.pop_front();
       is_busy_ = true;
-      std::vector<std::shared_ptr<Ear>> ears;
-      for (auto [at, end] = ears_.equal_range(message.channel); at != end; ++at) ears.push_back(at->second);
+      std::vector<std::shared_ptr<HandlerSlot>> slots;
+      for (auto [at, end] = subscriptions_.equal_range(message.channel); at != end; ++at)
+        slots.push_back(at->second);
       lock.unlock();
-      for (const auto& ear : ears) ear->hear(message.bytes);
+      for (const auto& slot : slots) slot->deliver(message.bytes);
       lock.lock();
       is_busy_ = false;
       idle_.notify_all();
@@ -99,7 +100,7 @@ class LossyLink final : public MessageLink {
   std::condition_variable changed_, idle_;
   Losses losses_;
   std::mt19937 random_;
-  std::multimap<std::string, std::shared_ptr<Ear>> ears_;
+  std::multimap<std::string, std::shared_ptr<HandlerSlot>> subscriptions_;
   std::deque<Message> queue_;
   uint64_t sent_ = 0, dropped_ = 0;
   bool stop_ = false, is_busy_ = false;

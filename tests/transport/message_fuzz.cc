@@ -35,7 +35,7 @@ size_t fuzzMessages(const uint8_t* data, size_t size) {
   }
   Command command;
   if (fromBytes(bytes, command)) ++read, isSound(command);
-  ReaderSign sign;
+  ReaderHeartbeat sign;
   if (fromBytes(bytes, sign)) ++read;
   Status status;
   if (fromBytes(bytes, status)) {
@@ -86,7 +86,7 @@ std::vector<FuzzSeeds> messageSeeds() {
   telling.groom_name = "bob";
   telling.parameters = parameterTable(Parameters());
   add("status", telling);
-  add("reader", ReaderSign{1, 1, true});
+  add("reader", ReaderHeartbeat{1, 1, true});
   Show show;
   show.entries = {{ShowKind::kParameter, "wind", {7, 0, 1}}, {ShowKind::kAnswered, "5 refused", {}}};
   seeds.push_back({"show", {showBytes(show)}});

@@ -27,20 +27,21 @@ TEST(ParameterTable, TellsEveryParameterOfASimulation) {
 
 TEST(ParameterTable, TellsBehindThemWhatElseIsSteered) {
   ParameterTable table = sample();
-  EXPECT_TRUE(tell(table, "fan", "left", {1, 2}));
-  EXPECT_TRUE(tell(table, "collider", "a %20: b", {7}));
+  EXPECT_TRUE(appendEntry(table, "fan", "left", {1, 2}));
+  EXPECT_TRUE(appendEntry(table, "collider", "a %20: b", {7}));
   EXPECT_TRUE(isSound(table));
-  EXPECT_EQ(toldOf(table, ""), namedValues(sample()));
-  EXPECT_EQ(toldOf(table, "fan"), (NamedValues{{"left", {1, 2}}}));
-  EXPECT_EQ(toldOf(table, "collider"), (NamedValues{{"a %20: b", {7}}}));
-  EXPECT_TRUE(toldOf(table, "hat").empty());
-  for (int i = 0; tell(table, "fan", std::string(50, 'x') + std::to_string(i), std::vector<double>(13)); ++i)
+  EXPECT_EQ(entriesOf(table, ""), namedValues(sample()));
+  EXPECT_EQ(entriesOf(table, "fan"), (NamedValues{{"left", {1, 2}}}));
+  EXPECT_EQ(entriesOf(table, "collider"), (NamedValues{{"a %20: b", {7}}}));
+  EXPECT_TRUE(entriesOf(table, "hat").empty());
+  for (int i = 0;
+       appendEntry(table, "fan", std::string(50, 'x') + std::to_string(i), std::vector<double>(13)); ++i)
     ASSERT_TRUE(isSound(table)) << i;
   EXPECT_TRUE(isSound(table)) << "what does not fit any more is left out";
   ParameterTable names = sample();
-  while (tell(names, "fan", std::to_string(names.components.size()) + std::string(200, 'x'), {1}))
+  while (appendEntry(names, "fan", std::to_string(names.components.size()) + std::string(200, 'x'), {1}))
     ASSERT_TRUE(isSound(names));
-  EXPECT_GT(names.names.size(), kMaxToldNames - 300);
+  EXPECT_GT(names.names.size(), kMaxTableNameBytes - 300);
 }
 
 TEST(ParameterTable, SoundOnesHaveNamesAndValuesThatFit) {
@@ -67,7 +68,7 @@ TEST(ParameterTable, SoundOnesHaveNamesAndValuesThatFit) {
       [](ParameterTable& t) { t.values.clear(); },
       [](ParameterTable& t) { t.values[2] = std::numeric_limits<float>::quiet_NaN(); },
       [](ParameterTable& t) { t.values[0] = std::numeric_limits<float>::infinity(); },
-      [](ParameterTable& t) { t.names = "wind " + std::string(kMaxToldNames, 'x'); }};
+      [](ParameterTable& t) { t.names = "wind " + std::string(kMaxTableNameBytes, 'x'); }};
   for (const auto& damage : damages) {
     ParameterTable table = sample();
     damage(table);
@@ -77,15 +78,16 @@ TEST(ParameterTable, SoundOnesHaveNamesAndValuesThatFit) {
 
 TEST(ParameterTable, ItsLimitsAreThoseOfTheWire) {
   NamedValues values;
-  for (size_t i = 0; i < kMaxToldParameters; ++i) values.push_back({"p" + std::to_string(i), {1, 2, 3, 4}});
+  for (size_t i = 0; i < kMaxTableEntries; ++i) values.push_back({"p" + std::to_string(i), {1, 2, 3, 4}});
   EXPECT_TRUE(isSound(parameterTable(values)));
   values.push_back({"one-more", {1}});
   EXPECT_FALSE(isSound(parameterTable(values)));
-  const std::vector<double> many(kMaxToldComponents, 1.0);
+  const std::vector<double> many(kMaxTableComponents, 1.0);
   EXPECT_TRUE(isSound(parameterTable(NamedValues{{"a", many}})));
-  EXPECT_FALSE(isSound(parameterTable(NamedValues{{"a", std::vector<double>(kMaxToldComponents + 1, 1.0)}})));
+  EXPECT_FALSE(
+      isSound(parameterTable(NamedValues{{"a", std::vector<double>(kMaxTableComponents + 1, 1.0)}})));
   NamedValues wide;
-  for (size_t i = 0; i <= kMaxToldValues / kMaxToldComponents; ++i)
+  for (size_t i = 0; i <= kMaxTableValues / kMaxTableComponents; ++i)
     wide.push_back({"w" + std::to_string(i), many});
   EXPECT_FALSE(isSound(parameterTable(wide)));
 }

@@ -79,7 +79,7 @@ class Peer {
     return results_;
   }
   /// Kills the peer and describes its state, for the message of a failed test.
-  std::string autopsy() {
+  std::string exitReport() {
     int status = 0;
     const bool had_ended = waitpid(pid_, &status, WNOHANG) == pid_;
     if (had_ended) pid_ = 0;

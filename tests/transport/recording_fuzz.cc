@@ -16,7 +16,7 @@
 namespace strandcast {
 namespace {
 
-constexpr uint64_t kMostFrames = 64;  // read of one file: enough to reach every path quickly
+constexpr uint64_t kMaxFrames = 64;  // read of one file: enough to reach every path quickly
 
 bool isSoundFrame(const RecordedFrame& read) {
   return read.groom && read.body && read.frame &&
@@ -72,7 +72,7 @@ size_t fuzzRecording(const uint8_t* data, size_t size) {
   size_t read = 0;
   try {
     Recording recording(std::make_unique<RecordingInMemory>(std::move(bytes)), "fuzz");
-    const uint64_t frames = std::min(recording.frames(), kMostFrames);
+    const uint64_t frames = std::min(recording.frames(), kMaxFrames);
     RecordedFrame frame;
     AirGrids grids;
     const auto readGrids = [&](uint64_t number) {

@@ -110,13 +110,13 @@ TEST(Claims, AStatusThatComesBeforeItsClaimIsNoRivals) {
   MatchCounter sharers, strangers;
   ASSERT_TRUE(speak(sharer, 22, sharers));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  EXPECT_FALSE(publisher->rival()) << "its claim may come";
+  EXPECT_FALSE(publisher->conflict()) << "its claim may come";
   sharer.createWriter(kClaimTopic, new ClaimType, nullptr, 2);
   ASSERT_TRUE(speak(stranger, 33, strangers));
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (!publisher->rival() && std::chrono::steady_clock::now() < end)
+  while (!publisher->conflict() && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  EXPECT_EQ(publisher->rival(), (Rival{33, true})) << "who claims nothing shares nothing";
+  EXPECT_EQ(publisher->conflict(), (ConflictingDaemon{33, true})) << "who claims nothing shares nothing";
 }
 
 TEST(Neighbours, ARoleIsReadAsItWasSaid) {
@@ -140,14 +140,14 @@ TEST(Neighbours, ADaemonOnSharedMemoryWaitsForOneThatIsThereAndIsNotHeard) {
   const auto publisher = makeDdsPublisher(options);
   const auto becomes = [&](bool waits) {
     return trueWithin(std::chrono::seconds(5),
-                      [&] { return (publisher->listenTime() > kRivalListenTime) == waits; });
+                      [&] { return (publisher->listenTime() > kConflictListenTime) == waits; });
   };
   EXPECT_TRUE(becomes(false));
   const DdsParticipant reader(DdsNetwork(domain), 1, DdsRole{false, 1, false});
   const DdsParticipant of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, true});
   DdsParticipant silent(DdsNetwork(domain), 1, DdsRole{true, 1, true});
   EXPECT_TRUE(becomes(true));
-  EXPECT_FALSE(publisher->cannotHearDaemon()) << "its writers may yet be found";
+  EXPECT_FALSE(publisher->hasUnreachableDaemonOfGroom()) << "its writers may yet be found";
   silent.createWriter(kClaimTopic, new ClaimType, nullptr, 7);
   EXPECT_TRUE(becomes(false));
 }
@@ -188,18 +188,18 @@ TEST(Neighbours, TheStrengthOfAClaimIsKnown) {
     return std::nullopt;
   };
   EXPECT_TRUE(trueWithin(std::chrono::seconds(5), [&] { return strength() == 4000000000u; }));
-  EXPECT_FALSE(neighbours.hasUnheardDaemon(1, std::chrono::milliseconds(0)));
+  EXPECT_FALSE(neighbours.hasDaemonWithoutWriters(1, std::chrono::milliseconds(0)));
 }
 
 TEST(Neighbours, ADaemonListensForLongOnlyWhereARivalMayBe) {
   const int domain = testDomain(9);
   const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
-  EXPECT_EQ(publisher->listenTime(), kQuietListenTime);
-  const auto becomes = [&](size_t rivals) {
+  EXPECT_EQ(publisher->listenTime(), kShortListenTime);
+  const auto becomes = [&](size_t conflicts) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
-    while (publisher->possibleRivals() != rivals && std::chrono::steady_clock::now() < end)
+    while (publisher->possibleConflicts() != conflicts && std::chrono::steady_clock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    return publisher->possibleRivals() == rivals;
+    return publisher->possibleConflicts() == conflicts;
   };
   {
     // When the last one is discovered, the others are known too, and count by their roles.
@@ -207,12 +207,12 @@ TEST(Neighbours, ADaemonListensForLongOnlyWhereARivalMayBe) {
     const DdsParticipant of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, false});
     const DdsParticipant says_nothing(DdsNetwork(domain), 1);
     EXPECT_TRUE(becomes(1));
-    EXPECT_EQ(publisher->listenTime(), kRivalListenTime);
+    EXPECT_EQ(publisher->listenTime(), kConflictListenTime);
   }
   EXPECT_TRUE(becomes(0)) << "those that leave are forgotten";
-  const DdsParticipant rival(DdsNetwork(domain), 1, DdsRole{true, 1, true});
+  const DdsParticipant conflict(DdsNetwork(domain), 1, DdsRole{true, 1, true});
   EXPECT_TRUE(becomes(1));
-  EXPECT_EQ(publisher->listenTime(), kRivalListenTime);
+  EXPECT_EQ(publisher->listenTime(), kConflictListenTime);
 }
 
 }  // namespace

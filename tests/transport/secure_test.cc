@@ -55,7 +55,7 @@ class Secure : public testing::Test {
 TEST_F(Secure, ARivalIsHeardInTime) {
   const std::string domain = std::to_string(testDomain(5));
   const auto first = secure({"cast", domain, "60"}, "daemon");
-  for (int trial = 0; trial < 2; ++trial) {  // each listens for kSecureRivalListenTime
+  for (int trial = 0; trial < 2; ++trial) {  // each listens for kSecureConflictListenTime
     const auto second = secure({"publish", domain, "0.1"}, "daemon");
     EXPECT_TRUE(second->finish().contains("rival")) << second->text();
   }
@@ -104,7 +104,7 @@ TEST_F(Secure, WhoIsNotKnownHearsNothingAndWhoIsNotPermittedMovesNothing) {
   const int domain = testDomain(1);
   const auto daemon = secure({"cast", std::to_string(domain), "60"}, "daemon");
   const auto good = makeDdsSubscriber(secured(domain, keys_ / "renderer"));
-  ASSERT_TRUE(good->waitForFrame(0, milliseconds(12000))) << daemon->autopsy();
+  ASSERT_TRUE(good->waitForFrame(0, milliseconds(12000))) << daemon->exitReport();
   makeTestKeys(scratch_ / "foreign", 30);
   const auto stranger = makeDdsSubscriber({domain, 1, 0, {}});
   const auto foreigner = makeDdsSubscriber(secured(domain, scratch_ / "foreign" / "renderer"));

@@ -43,7 +43,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr int kNoNamespace = 77;
-// With sanitizers a handshake takes longer than kSecureRivalListenTime allows.
+// With sanitizers a handshake takes longer than kSecureConflictListenTime allows.
 constexpr int kHandshakePatience = kSanitized ? 4 : 1;
 
 /// Flushes each line, because the parent reads results while the peer runs.
@@ -100,12 +100,12 @@ int publish(int domain, double seconds) {
   const auto publisher = makeDdsPublisher(ddsOptions(domain));
   const auto start = Clock::now();
   const auto listen_time =
-      ddsOptions(domain).keys.empty() ? kRivalListenTime : kHandshakePatience * kSecureRivalListenTime;
-  while (Clock::now() - start < listen_time && !publisher->rival()) {
+      ddsOptions(domain).keys.empty() ? kConflictListenTime : kHandshakePatience * kSecureConflictListenTime;
+  while (Clock::now() - start < listen_time && !publisher->conflict()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  if (const auto rival = publisher->rival()) {
-    print("rival", static_cast<double>(rival->session));
+  if (const auto conflict = publisher->conflict()) {
+    print("rival", static_cast<double>(conflict->session));
     return 0;
   }
   return cast(*publisher, seconds);

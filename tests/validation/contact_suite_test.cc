@@ -23,7 +23,7 @@ TEST(ContactSuite, TheRodPassesInLanes) {
 }
 
 TEST(ContactSuite, TheRodPasses) {
-  if (!thorough()) GTEST_SKIP() << kLeftToThorough;
+  if (!thorough()) GTEST_SKIP() << kSkippedUnlessThorough;
   expectPasses(kLaboratory, {"slope", "capstan", "energy", "dropped on a sphere"});
 }
 

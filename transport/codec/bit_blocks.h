@@ -19,15 +19,15 @@ inline uint16_t signExtended(uint16_t number, int bits) {
 /// StrandCoder packs and unpacks whole blocks in a few operations. Format: docs/wire.md, "Blocks of bits".
 inline constexpr size_t kBitBlock = 8;                  ///< numbers of one width
 inline constexpr size_t kBitBlockPair = 2 * kBitBlock;  ///< numbers after one byte of widths
-inline constexpr uint32_t kMostBlockWidth = 16;
-/// Code of kMostBlockWidth in the byte of two widths: numbers of 15 bits are written with 16.
+inline constexpr uint32_t kMaxBlockWidth = 16;
+/// Code of kMaxBlockWidth in the byte of two widths: numbers of 15 bits are written with 16.
 inline constexpr uint32_t kWidestCode = 15;
-inline constexpr size_t kMostPairBytes = 1 + 2 * kMostBlockWidth;
+inline constexpr size_t kMaxPairBytes = 1 + 2 * kMaxBlockWidth;
 
 /// Capacity that packing `count` numbers requires, bytes: the worst case, and one word for stores past the
 /// end.
-inline constexpr size_t mostPackedBytes(size_t count) {
-  return (count + kBitBlockPair - 1) / kBitBlockPair * kMostPairBytes + sizeof(uint64_t);
+inline constexpr size_t maxPackedBytes(size_t count) {
+  return (count + kBitBlockPair - 1) / kBitBlockPair * kMaxPairBytes + sizeof(uint64_t);
 }
 
 }  // namespace strandcast

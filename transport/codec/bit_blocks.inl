@@ -20,7 +20,7 @@ HWY_INLINE uint32_t widthOf(const BitBlock& block) {
   any |= any >> 32;
   any |= any >> 16;
   const auto bits = static_cast<uint32_t>(std::bit_width(any & 0xffff));
-  return bits == kWidestCode ? kMostBlockWidth : bits;
+  return bits == kWidestCode ? kMaxBlockWidth : bits;
 }
 
 // Packs four numbers of `width` bits without gaps: first pairs, then both pairs. apart() is the inverse and ignores
@@ -90,8 +90,8 @@ HWY_INLINE void takeBlock(const uint8_t* from, uint32_t width, uint16_t* numbers
 }
 
 bool unpackNumbers(std::span<const uint8_t>& bytes, std::span<uint16_t> numbers) {
-  constexpr size_t kReach = kMostPairBytes + 16;
-  const auto width_of = [](uint32_t code) { return code == kWidestCode ? kMostBlockWidth : code; };
+  constexpr size_t kReach = kMaxPairBytes + 16;
+  const auto width_of = [](uint32_t code) { return code == kWidestCode ? kMaxBlockWidth : code; };
   const uint8_t* from = bytes.data();
   size_t left = bytes.size();
   for (size_t done = 0; done < numbers.size(); done += kBitBlockPair) {

@@ -33,8 +33,8 @@ HeadFrame headOf(const GuideChunk& chunk) {
 
 void GuideDecoder::setGroom(const StrandSet& guides) {
   geometry_ = GuideGeometry(guides);
-  memories_.clear();
-  remembered_strands_ = 0;
+  histories_.clear();
+  history_strands_ = 0;
 }
 
 DecodeResult GuideDecoder::decode(const GuideChunk& chunk, std::span<Vec3> positions) {
@@ -106,9 +106,9 @@ DecodeResult GuideDecoder::decodeSymbols(const GuideChunk& chunk, const StrandRu
 DecodeResult GuideDecoder::decodeTangents(const GuideChunk& chunk, const StrandRun& run,
                                           std::span<Vec3> positions) {
   if (preamble_.mode != kInBlocks || chunk.key_frame >= chunk.frame) return DecodeResult::kDamaged;
-  const auto found = memories_.find(run.first_strand);
+  const auto found = histories_.find(run.first_strand);
   const Memory* const memory =
-      found != memories_.end() && found->second.strand_count == run.strand_count ? &found->second : nullptr;
+      found != histories_.end() && found->second.strand_count == run.strand_count ? &found->second : nullptr;
   const TangentHistory* history = nullptr;
   if (chunk.key_frame != 0) {
     if (!memory || memory->history.frame != chunk.key_frame) return DecodeResult::kNoKey;
@@ -117,7 +117,7 @@ DecodeResult GuideDecoder::decodeTangents(const GuideChunk& chunk, const StrandR
   if (!unpacker_.unpackBlocks(preamble_.symbols, symbols_)) return DecodeResult::kDamaged;
   if (!memory) coder_.rest_directions(geometry_, run, rest_);
   placeStrands(chunk, run, memory ? &memory->rest : &rest_, history, positions);
-  Memory& own = remember(run);
+  Memory& own = resetHistory(run);
   if (!memory) own.rest.swap(rest_);
   own.history.accept(chunk.frame, chunk.key_frame == 0, directions_);
   return DecodeResult::kDone;
@@ -163,16 +163,16 @@ void GuideDecoder::placeRoots(const StrandRun& run, Encoding encoding) {
   }
 }
 
-GuideDecoder::Memory& GuideDecoder::remember(const StrandRun& run) {
+GuideDecoder::Memory& GuideDecoder::resetHistory(const StrandRun& run) {
   // Runs of one publisher do not overlap; more strands than the groom has come from damage or malice.
-  const auto old = memories_.find(run.first_strand);
-  if (old != memories_.end()) remembered_strands_ -= old->second.strand_count;
-  if (remembered_strands_ + run.strand_count > geometry_.roots.size()) {
-    memories_.clear();
-    remembered_strands_ = 0;
+  const auto old = histories_.find(run.first_strand);
+  if (old != histories_.end()) history_strands_ -= old->second.strand_count;
+  if (history_strands_ + run.strand_count > geometry_.roots.size()) {
+    histories_.clear();
+    history_strands_ = 0;
   }
-  remembered_strands_ += run.strand_count;
-  Memory& memory = memories_[run.first_strand];
+  history_strands_ += run.strand_count;
+  Memory& memory = histories_[run.first_strand];
   memory.strand_count = run.strand_count;
   return memory;
 }

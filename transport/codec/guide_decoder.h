@@ -52,12 +52,12 @@ class GuideDecoder {
   void placeStrands(const GuideChunk& chunk, const StrandRun& run, const DirectionRows* rest,
                     const TangentHistory* history, std::span<Vec3> positions);
   void placeRoots(const StrandRun& run, Encoding encoding);
-  Memory& remember(const StrandRun& run);
+  Memory& resetHistory(const StrandRun& run);
 
   StrandCoder coder_;
   GuideGeometry geometry_;
-  std::map<uint32_t, Memory> memories_;  // by first strand
-  uint64_t remembered_strands_ = 0;
+  std::map<uint32_t, Memory> histories_;  // by first strand
+  uint64_t history_strands_ = 0;
   Preamble preamble_;
   GuideSymbols symbols_;
   SymbolUnpacker unpacker_;
@@ -65,7 +65,7 @@ class GuideDecoder {
   // Of the current chunk:
   std::vector<Vec3> roots_;  // per strand: StrandDecoding::roots
   DirectionRows directions_;
-  DirectionRows rest_;  // of a run that has no entry in memories_
+  DirectionRows rest_;  // of a run that has no entry in histories_
 };
 
 }  // namespace strandcast

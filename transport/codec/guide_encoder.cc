@@ -121,7 +121,7 @@ void ChunkEncoder::quantize(const GuideFrame& frame, uint32_t index, Encoding en
   }
 }
 
-void ChunkEncoder::findStrandEnds(const StrandRun& run) {
+void ChunkEncoder::collectStrandEnds(const StrandRun& run) {
   strand_ends_.resize(run.strand_count);
   for (uint32_t s = 0; s < run.strand_count; ++s)
     strand_ends_[s] = groom_->geometry.offsets[run.first_strand + s + 1] - run.first_vertex - (s + 1);
@@ -160,7 +160,7 @@ void ChunkEncoder::writePreamble(const GuideFrame& frame, const StrandRun& run, 
 void ChunkEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
   SymbolPrediction prediction;
   prediction.edge_bits = edgeBits(chunk.encoding);
-  findStrandEnds(run);
+  collectStrandEnds(run);
   prediction.strand_ends = strand_ends_;
   forgetExactStrands(run);
   prediction.along_strand = SymbolPacker::prefersAlongStrand(symbols_, prediction);

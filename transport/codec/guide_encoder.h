@@ -40,7 +40,7 @@ class ChunkEncoder {
   void encodeTangents(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
   void quantize(const GuideFrame& frame, uint32_t index, Encoding encoding, const TangentHistory* history);
   void quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head, Encoding encoding);
-  void findStrandEnds(const StrandRun& run);
+  void collectStrandEnds(const StrandRun& run);
   void forgetExactStrands(const StrandRun& run);
   void writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
                      std::vector<uint8_t>& bytes) const;

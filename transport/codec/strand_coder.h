@@ -21,18 +21,18 @@ class TangentHistory {
 
   /// Directions in the frame that `frame` built on; equal to `last` (no motion) where `frame` was a key
   /// frame.
-  const DirectionRows& before() const { return stood_alone_ ? last : before_; }
+  const DirectionRows& before() const { return was_key_ ? last : before_; }
 
   /// Records the directions of a frame; swaps the arrays.
   void accept(uint64_t of_frame, bool stands_alone, DirectionRows& directions) {
     frame = of_frame;
-    stood_alone_ = stands_alone;
+    was_key_ = stands_alone;
     before_.swap(last);
     last.swap(directions);
   }
 
  private:
-  bool stood_alone_ = true;
+  bool was_key_ = true;
   DirectionRows before_;
 };
 
@@ -93,7 +93,7 @@ struct StrandCoder {
   void (*decode_tangents)(const StrandDecoding& job, LaneRows& rows) = nullptr;
   /// Writes GuideGeometry::directions of a run as DirectionRows.
   void (*rest_directions)(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) = nullptr;
-  /// Packs blocks of bits (bit_blocks.h). `to` must have mostPackedBytes() bytes; returns the end of the
+  /// Packs blocks of bits (bit_blocks.h). `to` must have maxPackedBytes() bytes; returns the end of the
   /// packed bytes.
   uint8_t* (*pack)(std::span<const uint16_t> numbers, uint8_t* to) = nullptr;
   /// Unpacks numbers.size() numbers and removes their bytes from the front of `bytes`. False where `bytes`

@@ -174,7 +174,7 @@ struct ErrorTracker {
       if (tile.counts[l] > 0) numbers[l] = before[tile.first + l];
     worst = row(numbers.data(), 0);
   }
-  HWY_INLINE void look(mask is_there, const real3& decoded, const real3& wanted) {
+  HWY_INLINE void accumulate(mask is_there, const real3& decoded, const real3& wanted) {
     const real3 off = frame.toWorld(decoded) - wanted;
     const real error = off.x * off.x + (off.y * off.y + off.z * off.z);
     worst = select(is_there && worst < error, error, worst);
@@ -214,10 +214,10 @@ HWY_INLINE void pairRow(const float* rows, size_t i, real& first, real& second) 
   second = realOf(hn::ShiftRight<16>(both));
 }
 
-HWY_INLINE void pourSymbols(const uint16_t* from, size_t count, uint16_t* lane) {
+HWY_INLINE void interleaveSymbols(const uint16_t* from, size_t count, uint16_t* lane) {
   for (size_t i = 0; i < count; ++i) lane[i * kRow] = from[i];
 }
-HWY_INLINE void drawSymbols(const uint16_t* lane, size_t count, uint16_t* to) {
+HWY_INLINE void deinterleaveSymbols(const uint16_t* lane, size_t count, uint16_t* to) {
   for (size_t i = 0; i < count; ++i) to[i] = lane[i * kRow];
 }
 
@@ -240,59 +240,59 @@ struct Rows {
 };
 
 template <class Work>
-HWY_INLINE void forTiles(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
+HWY_INLINE void forEachTile(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
   for (uint32_t s = 0; s < run.strand_count; s += kRow) work(Tile(geometry, run, s));
 }
 /// Calls work(tile, begin); begin is the tile's offset in a DirectionRows, where vertex i has row i - 1.
 template <class Work>
-HWY_INLINE void forDirections(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
+HWY_INLINE void forEachDirectionTile(const GuideGeometry& geometry, const StrandRun& run, const Work& work) {
   size_t begin = 0;
-  forTiles(geometry, run, [&](const Tile& tile) {
+  forEachTile(geometry, run, [&](const Tile& tile) {
     work(tile, begin);
     begin += 3 * kRow * (tile.rows - 1);
   });
 }
-void shapeDirections(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) {
+void resizeDirections(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) {
   size_t size = 0;
-  forTiles(geometry, run, [&](const Tile& tile) { size += 3 * kRow * (tile.rows - 1); });
+  forEachTile(geometry, run, [&](const Tile& tile) { size += 3 * kRow * (tile.rows - 1); });
   rows.resize(size);
 }
 
 size_t edgesOf(const StrandRun& run) { return run.vertex_count - run.strand_count; }
 
 /// Transposes the world positions of a tile into three rows per vertex.
-HWY_INLINE void pourPositions(const Tile& tile, const Vec3* positions, float* rows) {
+HWY_INLINE void interleavePositions(const Tile& tile, const Vec3* positions, float* rows) {
   Streams<const float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l) streams.add(positions[tile.vertices[l]].data(), 3 * tile.counts[l]);
   transposeIn(streams, rows);
 }
-HWY_INLINE void drawPositions(const Tile& tile, const float* rows, Vec3* positions) {
+HWY_INLINE void deinterleavePositions(const Tile& tile, const float* rows, Vec3* positions) {
   Streams<float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l) streams.add(positions[tile.vertices[l]].data(), 3 * tile.counts[l]);
   draw(rows, streams);
 }
 /// Row i holds the length of the edge that ends at vertex i; row 0 holds no edge.
-HWY_INLINE void pourLengths(const Tile& tile, const GuideGeometry& geometry, const StrandRun& run, float* rows) {
+HWY_INLINE void interleaveLengths(const Tile& tile, const GuideGeometry& geometry, const StrandRun& run, float* rows) {
   Streams<const float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l) streams.add(&geometry.lengths[run.first_vertex + tile.vertices[l]], tile.counts[l]);
   transposeIn(streams, rows);
 }
-HWY_INLINE void pourEdges(const Tile& tile, const uint16_t* edges, uint16_t* rows) {
+HWY_INLINE void interleaveEdges(const Tile& tile, const uint16_t* edges, uint16_t* rows) {
   for (size_t l = 0; l < kRow; ++l)
-    if (tile.counts[l] > 1) pourSymbols(edges + tile.edge(l), tile.counts[l] - 1, rows + kRow + l);
+    if (tile.counts[l] > 1) interleaveSymbols(edges + tile.edge(l), tile.counts[l] - 1, rows + kRow + l);
 }
-HWY_INLINE void drawEdges(const Tile& tile, const uint16_t* rows, uint16_t* edges) {
+HWY_INLINE void deinterleaveEdges(const Tile& tile, const uint16_t* rows, uint16_t* edges) {
   for (size_t l = 0; l < kRow; ++l)
-    if (tile.counts[l] > 1) drawSymbols(rows + kRow + l, tile.counts[l] - 1, edges + tile.edge(l));
+    if (tile.counts[l] > 1) deinterleaveSymbols(rows + kRow + l, tile.counts[l] - 1, edges + tile.edge(l));
 }
-/// As pourEdges() and drawEdges(), for pairs of symbols.
-HWY_INLINE void pourPairs(const Tile& tile, const uint16_t* edges, float* rows) {
+/// As interleaveEdges() and deinterleaveEdges(), for pairs of symbols.
+HWY_INLINE void interleavePairs(const Tile& tile, const uint16_t* edges, float* rows) {
   Streams<const float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l)
     streams.add(reinterpret_cast<const float*>(edges + 2 * tile.edge(l)), tile.counts[l] - 1);
   transposeIn(streams, rows + kRow);
 }
-HWY_INLINE void drawPairs(const Tile& tile, const float* rows, uint16_t* edges) {
+HWY_INLINE void deinterleavePairs(const Tile& tile, const float* rows, uint16_t* edges) {
   Streams<float*> streams;
   for (size_t l = 0; l < tile.lanes; ++l) streams.add(reinterpret_cast<float*>(edges + 2 * tile.edge(l)), tile.counts[l] - 1);
   draw(rows + kRow, streams);
@@ -305,8 +305,8 @@ void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
   const LaneFrame frame(job.head);
   const real step = lit(job.step), most = lit(kMaxGridIndex);
   const size_t edges = edgesOf(job.run);
-  forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    pourPositions(tile, job.positions, rows.numbers);
+  forEachTile(job.geometry, job.run, [&](const Tile& tile) {
+    interleavePositions(tile, job.positions, rows.numbers);
     const Lengths lengths(tile);
     ErrorTracker judgement(frame, job.squared_limit, tile, job.worst);
     real3 before = perStrand(tile, job.roots);
@@ -319,13 +319,13 @@ void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
       const real low = min(edge.x, min(edge.y, edge.z)), high = max(edge.x, max(edge.y, edge.z));
       const mask fits = low >= lit(-32768) && high <= lit(32767);
       judgement.is_lost = judgement.is_lost || (is_there && !fits);
-      judgement.look(is_there, index * step, wanted);
+      judgement.accumulate(is_there, index * step, wanted);
       setSymbolRow(rows.symbols, i, edge.x);
       setSymbolRow(rows.symbols + rows.symbol_plane, i, edge.y);
       setSymbolRow(rows.symbols + 2 * rows.symbol_plane, i, edge.z);
       before = index;
     }
-    for (size_t c = 0; c < 3; ++c) drawEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
+    for (size_t c = 0; c < 3; ++c) deinterleaveEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
     judgement.write(tile, job.worst);
   });
 }
@@ -347,8 +347,8 @@ void decodeDelta(const StrandDecoding& job, LaneRows& lane_rows) {
   const LaneFrame frame(job.head);
   const real step = lit(job.step);
   const size_t edges = edgesOf(job.run);
-  forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    for (size_t c = 0; c < 3; ++c) pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
+  forEachTile(job.geometry, job.run, [&](const Tile& tile) {
+    for (size_t c = 0; c < 3; ++c) interleaveEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
     const real3 root = perStrand(tile, job.roots);
     Words x = hn::ConvertTo(WordTag(), root.x.v), y = hn::ConvertTo(WordTag(), root.y.v), z = hn::ConvertTo(WordTag(), root.z.v);
     const Words mask = hn::Set(WordTag(), 0xffff);
@@ -364,7 +364,7 @@ void decodeDelta(const StrandDecoding& job, LaneRows& lane_rows) {
       const real3 local = makeReal3(realOf(x) * step, realOf(y) * step, realOf(z) * step);
       setRow3(rows.numbers, i, frame.toWorld(local));
     }
-    drawPositions(tile, rows.numbers, job.positions);
+    deinterleavePositions(tile, rows.numbers, job.positions);
   });
 }
 
@@ -378,9 +378,9 @@ void encodeOctahedral(const StrandEncoding& job, LaneRows& lane_rows) {
   const real steps = lit((1 << job.bits) - 1);
   const size_t edges = edgesOf(job.run);
   float* const length_rows = rows.numbers + 3 * rows.plane;
-  forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    pourPositions(tile, job.positions, rows.numbers);
-    pourLengths(tile, job.geometry, job.run, length_rows);
+  forEachTile(job.geometry, job.run, [&](const Tile& tile) {
+    interleavePositions(tile, job.positions, rows.numbers);
+    interleaveLengths(tile, job.geometry, job.run, length_rows);
     const Lengths lengths(tile);
     ErrorTracker judgement(frame, job.squared_limit, tile, job.worst);
     real3 before = perStrand(tile, job.roots);
@@ -394,9 +394,9 @@ void encodeOctahedral(const StrandEncoding& job, LaneRows& lane_rows) {
       setSymbolRow(rows.symbols, i, point.u);
       setSymbolRow(rows.symbols + rows.symbol_plane, i, point.v);
       before = before + fromOctahedral(point, steps) * row(length_rows, i);
-      judgement.look(lengths.has(i), before, wanted);
+      judgement.accumulate(lengths.has(i), before, wanted);
     }
-    for (size_t c = 0; c < 2; ++c) drawEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
+    for (size_t c = 0; c < 2; ++c) deinterleaveEdges(tile, rows.symbols + c * rows.symbol_plane, job.edges + c * edges);
     judgement.write(tile, job.worst);
   });
 }
@@ -407,9 +407,9 @@ void decodeOctahedral(const StrandDecoding& job, LaneRows& lane_rows) {
   const real steps = lit((1 << job.bits) - 1);
   const size_t edges = edgesOf(job.run);
   float* const length_rows = rows.numbers + 3 * rows.plane;
-  forTiles(job.geometry, job.run, [&](const Tile& tile) {
-    for (size_t c = 0; c < 2; ++c) pourEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
-    pourLengths(tile, job.geometry, job.run, length_rows);
+  forEachTile(job.geometry, job.run, [&](const Tile& tile) {
+    for (size_t c = 0; c < 2; ++c) interleaveEdges(tile, job.edges + c * edges, rows.symbols + c * rows.symbol_plane);
+    interleaveLengths(tile, job.geometry, job.run, length_rows);
     const Words mask = hn::Set(WordTag(), (1 << job.bits) - 1);
     Symbols u{rows.symbols, job.along_strand, mask};
     Symbols v{rows.symbols + rows.symbol_plane, job.along_strand, mask};
@@ -420,15 +420,15 @@ void decodeOctahedral(const StrandDecoding& job, LaneRows& lane_rows) {
       at = at + fromOctahedral(point, steps) * row(length_rows, i);
       setRow3(rows.numbers, i, frame.toWorld(at));
     }
-    drawPositions(tile, rows.numbers, job.positions);
+    deinterleavePositions(tile, rows.numbers, job.positions);
   });
 }
 
 // ---- tangents
 
 void restDirections(const GuideGeometry& geometry, const StrandRun& run, DirectionRows& rows) {
-  shapeDirections(geometry, run, rows);
-  forDirections(geometry, run, [&](const Tile& tile, size_t begin) {
+  resizeDirections(geometry, run, rows);
+  forEachDirectionTile(geometry, run, [&](const Tile& tile, size_t begin) {
     Streams<const float*> streams;
     for (size_t l = 0; l < tile.lanes; ++l) {
       const Vec3* const first = geometry.directions.data() + run.first_vertex + tile.vertices[l] + 1;
@@ -451,7 +451,7 @@ class Predictor {
     return predicted;
   }
   /// Records the decoded direction of the edge that was predicted.
-  HWY_INLINE void learn(const real3& direction) { direction_ = direction; }
+  HWY_INLINE void update(const real3& direction) { direction_ = direction; }
 
  private:
   const float *last_, *before_;
@@ -465,10 +465,10 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
   const LaneFrame frame(job.head);
   const real step = lit(job.step);
   float *const length_rows = rows.numbers + 3 * rows.plane, *const pair_rows = length_rows + rows.plane;
-  if (job.directions) shapeDirections(job.geometry, job.run, *job.directions);
-  forDirections(job.geometry, job.run, [&](const Tile& tile, size_t begin) {
-    pourPositions(tile, job.positions, rows.numbers);
-    pourLengths(tile, job.geometry, job.run, length_rows);
+  if (job.directions) resizeDirections(job.geometry, job.run, *job.directions);
+  forEachDirectionTile(job.geometry, job.run, [&](const Tile& tile, size_t begin) {
+    interleavePositions(tile, job.positions, rows.numbers);
+    interleaveLengths(tile, job.geometry, job.run, length_rows);
     Predictor predictor(*job.rest, job.history, begin);
     float* const directions = job.directions ? job.directions->data() + begin : nullptr;
     const Lengths lengths(tile);
@@ -489,11 +489,11 @@ void encodeTangents(const StrandEncoding& job, LaneRows& lane_rows) {
       const real by = step / long_enough;
       const real3 direction = unit((predicted + axis_u * (whole_u * by)) + axis_v * (whole_v * by));
       at = at + direction * length;
-      judgement.look(lengths.has(i), at, wanted);
-      predictor.learn(direction);
+      judgement.accumulate(lengths.has(i), at, wanted);
+      predictor.update(direction);
       if (directions) setRow3(directions, i - 1, direction);
     }
-    drawPairs(tile, pair_rows, job.edges);
+    deinterleavePairs(tile, pair_rows, job.edges);
     judgement.write(tile, job.worst);
   });
 }
@@ -503,10 +503,10 @@ void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
   const LaneFrame frame(job.head);
   const real step = lit(job.step);
   float *const length_rows = rows.numbers + 3 * rows.plane, *const pair_rows = length_rows + rows.plane;
-  shapeDirections(job.geometry, job.run, *job.directions);
-  forDirections(job.geometry, job.run, [&](const Tile& tile, size_t begin) {
-    pourPairs(tile, job.edges, pair_rows);
-    pourLengths(tile, job.geometry, job.run, length_rows);
+  resizeDirections(job.geometry, job.run, *job.directions);
+  forEachDirectionTile(job.geometry, job.run, [&](const Tile& tile, size_t begin) {
+    interleavePairs(tile, job.edges, pair_rows);
+    interleaveLengths(tile, job.geometry, job.run, length_rows);
     Predictor predictor(*job.rest, job.history, begin);
     float* const directions = job.directions->data() + begin;
     real3 at = perStrand(tile, job.roots);
@@ -520,10 +520,10 @@ void decodeTangents(const StrandDecoding& job, LaneRows& lane_rows) {
       pairRow(pair_rows, i, u, v);
       const real3 direction = unit((predicted + axis_u * (u * by)) + axis_v * (v * by));
       at = at + direction * length;
-      predictor.learn(direction);
+      predictor.update(direction);
       setRow3(rows.numbers, i, frame.toWorld(at));
       setRow3(directions, i - 1, direction);
     }
-    drawPositions(tile, rows.numbers, job.positions);
+    deinterleavePositions(tile, rows.numbers, job.positions);
   });
 }

@@ -79,7 +79,7 @@ void SymbolPacker::packInBlocks(const GuideSymbols& symbols, const SymbolPredict
                                 std::vector<uint8_t>& bytes) {
   const std::span<const uint16_t> edges = residualsOf(symbols, prediction);
   const size_t begin = bytes.size();
-  bytes.resize(begin + mostPackedBytes(symbols.roots.size()) + mostPackedBytes(edges.size()));
+  bytes.resize(begin + maxPackedBytes(symbols.roots.size()) + maxPackedBytes(edges.size()));
   const uint8_t* const end = pack_(edges, pack_(symbols.roots, bytes.data() + begin));
   bytes.resize(static_cast<size_t>(end - bytes.data()));
 }

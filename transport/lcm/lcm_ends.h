@@ -19,11 +19,11 @@ namespace strandcast {
 class MessageLink {
  public:
   using Handler = std::function<void(std::span<const uint8_t> message)>;
-  /// A handler that can be closed: it is not called after the last Listening to it is destroyed.
-  class Ear {
+  /// A handler that can be closed: it is not called after the last Subscription to it is destroyed.
+  class HandlerSlot {
    public:
-    explicit Ear(Handler handler) : handler_(std::move(handler)) {}
-    void hear(std::span<const uint8_t> message) {
+    explicit HandlerSlot(Handler handler) : handler_(std::move(handler)) {}
+    void deliver(std::span<const uint8_t> message) {
       const std::lock_guard lock(mutex_);
       if (handler_) handler_(message);
     }
@@ -38,10 +38,10 @@ class MessageLink {
     Handler handler_;
   };
   /// Must not be destroyed within the handler.
-  using Listening = std::shared_ptr<Ear>;
-  static Listening listening(std::shared_ptr<Ear> ear) {
-    Ear* const open = ear.get();
-    return {open, [ear = std::move(ear)](Ear*) { ear->close(); }};
+  using Subscription = std::shared_ptr<HandlerSlot>;
+  static Subscription makeSubscription(std::shared_ptr<HandlerSlot> slot) {
+    HandlerSlot* const open = slot.get();
+    return {open, [slot = std::move(slot)](HandlerSlot*) { slot->close(); }};
   }
 
   struct Channel {
@@ -50,10 +50,10 @@ class MessageLink {
   };
 
   virtual ~MessageLink() = default;
-  /// The handlers run in a thread of the link, one message of any channel at a time, until their Listenings
-  /// are destroyed. No handler runs before all are registered: a log file is read from then on, once. Throws
-  /// Error.
-  [[nodiscard]] virtual std::vector<Listening> listen(std::vector<Channel> channels) = 0;
+  /// The handlers run in a thread of the link, one message of any channel at a time, until their
+  /// Subscriptions are destroyed. No handler runs before all are registered: a log file is read from then on,
+  /// once. Throws Error.
+  [[nodiscard]] virtual std::vector<Subscription> listen(std::vector<Channel> channels) = 0;
   /// Thread-safe, also within a handler. Neither waits for readers nor throws.
   virtual void send(const std::string& channel, std::span<const uint8_t> message) = 0;
   /// Why messages could not be stored; empty where nothing failed.

@@ -69,18 +69,20 @@ LcmLink::~LcmLink() {
   lcm_destroy(lcm_);
 }
 
-std::vector<MessageLink::Listening> LcmLink::listen(std::vector<Channel> channels) {
-  const auto receive = [](const lcm_recv_buf_t* message, const char*, void* ear) {
-    static_cast<Ear*>(ear)->hear({static_cast<const uint8_t*>(message->data), message->data_size});
+std::vector<MessageLink::Subscription> LcmLink::listen(std::vector<Channel> channels) {
+  const auto receive = [](const lcm_recv_buf_t* message, const char*, void* slot) {
+    static_cast<HandlerSlot*>(slot)->deliver(
+        {static_cast<const uint8_t*>(message->data), message->data_size});
   };
   const std::lock_guard lock(mutex_);
-  std::vector<Listening> out;
+  std::vector<Subscription> out;
   for (Channel& channel : channels) {
-    ears_.push_back(std::make_shared<Ear>(std::move(channel.handler)));
-    lcm_subscription_t* subscription = lcm_subscribe(lcm_, channel.name.c_str(), receive, ears_.back().get());
+    subscriptions_.push_back(std::make_shared<HandlerSlot>(std::move(channel.handler)));
+    lcm_subscription_t* subscription =
+        lcm_subscribe(lcm_, channel.name.c_str(), receive, subscriptions_.back().get());
     if (subscription == nullptr) fail(url_);
     lcm_subscription_set_queue_capacity(subscription, kQueued);
-    out.push_back(listening(ears_.back()));
+    out.push_back(makeSubscription(subscriptions_.back()));
   }
   if (!drain_.joinable()) drain_ = std::thread([this] { drain(); });
   return out;

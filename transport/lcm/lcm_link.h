@@ -19,7 +19,7 @@ class LcmLink final : public MessageLink {
   /// Throws Error.
   explicit LcmLink(const std::string& url);
   ~LcmLink() override;
-  std::vector<Listening> listen(std::vector<Channel> channels) override;
+  std::vector<Subscription> listen(std::vector<Channel> channels) override;
   /// A message that a log file does not accept is an error, logged once.
   void send(const std::string& channel, std::span<const uint8_t> message) override;
   std::string failure() const override;
@@ -28,8 +28,8 @@ class LcmLink final : public MessageLink {
   void drain();
   const std::string url_;
   lcm_t* lcm_ = nullptr;
-  mutable std::mutex mutex_;  // guards ears_ and failure_
-  std::vector<std::shared_ptr<Ear>> ears_;
+  mutable std::mutex mutex_;  // guards subscriptions_ and failure_
+  std::vector<std::shared_ptr<HandlerSlot>> subscriptions_;
   std::string failure_;
   std::atomic<bool> stop_{false};
   std::thread drain_;  // started by the first listen()

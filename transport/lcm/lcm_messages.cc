@@ -13,7 +13,7 @@ namespace strandcast {
 namespace {
 
 template <class Stream>
-void messageFields(Stream& s, auto& m, std::type_identity<ReaderSign>) {
+void messageFields(Stream& s, auto& m, std::type_identity<ReaderHeartbeat>) {
   s.number(m.reader);
   s.number(m.groom_id);
   s.flag(m.wants_groom);
@@ -65,8 +65,8 @@ void toBytes(const GuideChunk& chunk, std::vector<uint8_t>& bytes) {
 void toBytes(const Command& command, std::vector<uint8_t>& bytes) {
   write<strandcast_v6::command_t>(command, bytes);
 }
-void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes) {
-  write<strandcast_v6::reader_t>(sign, bytes);
+void toBytes(const ReaderHeartbeat& heartbeat, std::vector<uint8_t>& bytes) {
+  write<strandcast_v6::reader_t>(heartbeat, bytes);
 }
 void toBytes(const Status& status, std::vector<uint8_t>& bytes) {
   Status own = status;
@@ -89,8 +89,8 @@ bool fromBytes(std::span<const uint8_t> bytes, GuideChunk& chunk) {
 bool fromBytes(std::span<const uint8_t> bytes, Command& command) {
   return read<strandcast_v6::command_t>(bytes, command);
 }
-bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign) {
-  return read<strandcast_v6::reader_t>(bytes, sign);
+bool fromBytes(std::span<const uint8_t> bytes, ReaderHeartbeat& heartbeat) {
+  return read<strandcast_v6::reader_t>(bytes, heartbeat);
 }
 bool fromBytes(std::span<const uint8_t> bytes, Status& status) {
   if (!read<strandcast_v6::status_t>(bytes, status)) return false;

@@ -8,7 +8,7 @@
 namespace strandcast {
 
 /// reader_t of strandcast.lcm: a reader announces itself.
-struct ReaderSign {
+struct ReaderHeartbeat {
   uint64_t reader = 0;
   uint32_t groom_id = 0;
   bool wants_groom = false;
@@ -21,7 +21,7 @@ void toBytes(const BodyChunk& chunk, std::vector<uint8_t>& bytes);
 void toBytes(const ColliderChunk& chunk, std::vector<uint8_t>& bytes);
 void toBytes(const GuideChunk& chunk, std::vector<uint8_t>& bytes);
 void toBytes(const Command& command, std::vector<uint8_t>& bytes);
-void toBytes(const ReaderSign& sign, std::vector<uint8_t>& bytes);
+void toBytes(const ReaderHeartbeat& heartbeat, std::vector<uint8_t>& bytes);
 void toBytes(const Status& status, std::vector<uint8_t>& bytes);
 
 /// False on another type, another version, or damage; the content of the message is unspecified then. Field
@@ -31,7 +31,7 @@ bool fromBytes(std::span<const uint8_t> bytes, BodyChunk& chunk);
 bool fromBytes(std::span<const uint8_t> bytes, ColliderChunk& chunk);
 bool fromBytes(std::span<const uint8_t> bytes, GuideChunk& chunk);
 bool fromBytes(std::span<const uint8_t> bytes, Command& command);
-bool fromBytes(std::span<const uint8_t> bytes, ReaderSign& sign);
+bool fromBytes(std::span<const uint8_t> bytes, ReaderHeartbeat& heartbeat);
 bool fromBytes(std::span<const uint8_t> bytes, Status& status);
 
 }  // namespace strandcast

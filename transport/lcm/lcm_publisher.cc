@@ -27,7 +27,7 @@ constexpr size_t kBurst = 4;
 constexpr milliseconds kBetweenBursts{2};
 constexpr size_t kAnswersKept = 256, kMaxReaders = 4096;
 /// The last message of a publisher is repeated, because nothing is acknowledged.
-constexpr int kFarewells = 3;
+constexpr int kFinalStatusRepeats = 3;
 
 class LcmPublisher final : public Publisher {
  public:
@@ -36,23 +36,23 @@ class LcmPublisher final : public Publisher {
         channels_(options.groom_id),
         announced_(options.groom_id, options.session, options.codec),
         link_(std::move(link)) {
-    ears_ = link_->listen({{channels_.command, [this](auto message) { receiveCommand(message); }},
-                           {channels_.reader, [this](auto message) { receiveSign(message); }},
-                           {channels_.status, [this](auto message) { receiveStatus(message); }}});
+    subscriptions_ = link_->listen({{channels_.command, [this](auto message) { receiveCommand(message); }},
+                                    {channels_.reader, [this](auto message) { receiveHeartbeat(message); }},
+                                    {channels_.status, [this](auto message) { receiveStatus(message); }}});
     publishStatus({});      // so that rivals learn of this session at once
     announceColliders({});  // so that readers do not wait for colliders
     service_ = std::thread([this] { serve(); });
   }
 
   ~LcmPublisher() override {
-    ears_.clear();
+    subscriptions_.clear();
     {
       const std::lock_guard lock(mutex_);
       stop_ = true;
     }
     wake_.notify_all();
     service_.join();
-    for (int i = 0; i < kFarewells; ++i) link_->send(channels_.status, status_message_);
+    for (int i = 0; i < kFinalStatusRepeats; ++i) link_->send(channels_.status, status_message_);
   }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
@@ -69,7 +69,7 @@ class LcmPublisher final : public Publisher {
     announced_.accept(groom);
     std::unique_lock lock(mutex_);
     description_ = std::move(carousel);
-    turnCarousel();
+    rebuildCarousel();
     sendDescription(lock);  // before the first frame that fits it
     wake_.notify_all();
   }
@@ -125,9 +125,9 @@ class LcmPublisher final : public Publisher {
 
   EncodingReport encoding() const override { return announced_.encoding(); }
 
-  std::optional<Rival> rival() const override {
+  std::optional<ConflictingDaemon> conflict() const override {
     const std::lock_guard lock(mutex_);
-    return Clock::now() - rival_heard_ > kLcmSilence ? std::nullopt : rival_;
+    return Clock::now() - conflict_heard_ > kLcmSilence ? std::nullopt : conflicting_;
   }
 
   std::chrono::milliseconds listenTime() const override { return kLcmListenTime; }
@@ -152,12 +152,13 @@ class LcmPublisher final : public Publisher {
     commands_.push(std::move(command));
   }
 
-  void receiveSign(std::span<const uint8_t> message) {
-    ReaderSign sign;
-    if (!fromBytes(message, sign) || sign.groom_id != options_.groom_id) return;
+  void receiveHeartbeat(std::span<const uint8_t> message) {
+    ReaderHeartbeat heartbeat;
+    if (!fromBytes(message, heartbeat) || heartbeat.groom_id != options_.groom_id) return;
     const std::lock_guard lock(mutex_);
-    if (readers_.size() < kMaxReaders || readers_.contains(sign.reader)) readers_[sign.reader] = Clock::now();
-    if (!sign.wants_groom) return;
+    if (readers_.size() < kMaxReaders || readers_.contains(heartbeat.reader))
+      readers_[heartbeat.reader] = Clock::now();
+    if (!heartbeat.wants_groom) return;
     is_asked_ = true;
     repeat_due_ = std::min(repeat_due_, repeated_ + kRepeatAtMost);
     wake_.notify_all();
@@ -169,11 +170,11 @@ class LcmPublisher final : public Publisher {
         status.session == options_.session)
       return;
     const std::lock_guard lock(mutex_);
-    rival_ = Rival::of(status);
-    rival_heard_ = Clock::now();
+    conflicting_ = ConflictingDaemon::of(status);
+    conflict_heard_ = Clock::now();
     // A starting daemon listens for this one: answer it once with a status.
-    if (rival_->casts || std::exchange(answered_rival_, status.session) == status.session) return;
-    status_due_ = rival_heard_;
+    if (conflicting_->casts || std::exchange(answered_session_, status.session) == status.session) return;
+    status_due_ = conflict_heard_;
     wake_.notify_all();
   }
 
@@ -204,11 +205,11 @@ class LcmPublisher final : public Publisher {
     }
     lock.lock();
     colliders_ = std::move(messages);
-    if (!description_.empty()) turnCarousel();
+    if (!description_.empty()) rebuildCarousel();
   }
 
   /// Schedules the changed description to be sent next.
-  void turnCarousel() {
+  void rebuildCarousel() {
     auto carousel = std::make_shared<std::vector<Message>>(description_);
     carousel->insert(carousel->end(), colliders_.begin(), colliders_.end());
     carousel_ = std::move(carousel);
@@ -248,13 +249,13 @@ class LcmPublisher final : public Publisher {
   std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that answered it
   std::deque<uint64_t> answered_;                     // keys of answers_, oldest first
   mutable std::map<uint64_t, Clock::time_point> readers_;
-  std::optional<Rival> rival_;  // the last one heard
-  Clock::time_point rival_heard_{};
-  uint64_t answered_rival_ = 0;  // session of a starting daemon that was answered
+  std::optional<ConflictingDaemon> conflicting_;  // the last one heard
+  Clock::time_point conflict_heard_{};
+  uint64_t answered_session_ = 0;  // session of a starting daemon that was answered
   bool is_asked_ = false, stop_ = false;
 
   std::shared_ptr<MessageLink> link_;
-  std::vector<MessageLink::Listening> ears_;
+  std::vector<MessageLink::Subscription> subscriptions_;
   std::thread service_;
 };
 

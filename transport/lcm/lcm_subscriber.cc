@@ -18,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kSignPeriod{1000}, kAskPeriod{200};
+constexpr milliseconds kHeartbeatPeriod{1000}, kRequestPeriod{200};
 
 /// LCM has no writers: session and groom id identify a daemon.
 StatusBoard::WriterId writerId(const Status& status) {
@@ -35,37 +35,38 @@ class LcmSubscriber final : public ReceivingSubscriber {
         options_(options),
         channels_(options.groom_id),
         link_(std::move(link)) {
-    sign_.reader = std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
-    sign_.groom_id = options.groom_id;
+    heartbeat_.reader = std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
+    heartbeat_.groom_id = options.groom_id;
     const MessageLink::Channel status{channels_.status, [this](auto message) { receiveStatus(message); }};
     if (!options.frames) {
-      ears_ = link_->listen({status});
+      subscriptions_ = link_->listen({status});
       return;
     }
-    ears_ = link_->listen({{channels_.groom, [this](auto message) { receiveGroom(message); }},
-                           {channels_.bodies, [this](auto message) { receiveBody(message); }},
-                           {channels_.colliders, [this](auto message) { receiveColliders(message); }},
-                           {channels_.guides, [this](auto message) { receiveGuides(message); }},
-                           status});
-    signs_ = std::thread([this] { giveSigns(); });
+    subscriptions_ =
+        link_->listen({{channels_.groom, [this](auto message) { receiveGroom(message); }},
+                       {channels_.bodies, [this](auto message) { receiveBody(message); }},
+                       {channels_.colliders, [this](auto message) { receiveColliders(message); }},
+                       {channels_.guides, [this](auto message) { receiveGuides(message); }},
+                       status});
+    heartbeat_thread_ = std::thread([this] { sendHeartbeats(); });
   }
 
   ~LcmSubscriber() override {
-    ears_.clear();
+    subscriptions_.clear();
     {
-      const std::lock_guard lock(sign_mutex_);
+      const std::lock_guard lock(heartbeat_mutex_);
       stop_ = true;
     }
     wake_.notify_all();
-    if (signs_.joinable()) signs_.join();
+    if (heartbeat_thread_.joinable()) heartbeat_thread_.join();
   }
 
   std::optional<Status> status() const override {
-    forgetSilent();
+    expireSilentDaemons();
     return ReceivingSubscriber::status();
   }
   std::vector<Status> allStatuses() const override {
-    forgetSilent();
+    expireSilentDaemons();
     return ReceivingSubscriber::allStatuses();
   }
 
@@ -91,7 +92,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
   }
 
  private:
-  bool isInForce(uint64_t session, uint32_t revision) const {
+  bool isCurrent(uint64_t session, uint32_t revision) const {
     const auto own = groom();
     return own && own->session == session && revision <= own->revision;
   }
@@ -101,13 +102,13 @@ class LcmSubscriber final : public ReceivingSubscriber {
   void receiveGroom(std::span<const uint8_t> message) {
     GroomChunk chunk;
     if (!fromBytes(message, chunk)) return countDamagedMessage();
-    if (!isInForce(chunk.session, chunk.revision)) receive(std::move(chunk));
+    if (!isCurrent(chunk.session, chunk.revision)) receive(std::move(chunk));
   }
 
   void receiveBody(std::span<const uint8_t> message) {
     BodyChunk chunk;
     if (!fromBytes(message, chunk)) return countDamagedMessage();
-    if (!body() || !isInForce(chunk.session, chunk.revision)) receive(std::move(chunk));
+    if (!body() || !isCurrent(chunk.session, chunk.revision)) receive(std::move(chunk));
   }
 
   void receiveColliders(std::span<const uint8_t> message) {
@@ -123,7 +124,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
       const auto own = groom();
       const bool is_new = chunk.groom_id == options_.groom_id && own &&
                           (own->session != chunk.session || own->revision < chunk.revision);
-      if (is_new) askForGroom();
+      if (is_new) requestGroom();
       return true;
     });
   }
@@ -131,14 +132,14 @@ class LcmSubscriber final : public ReceivingSubscriber {
   void receiveStatus(std::span<const uint8_t> message) {
     Status status;
     if (!fromBytes(message, status)) return;
-    forgetSilent();  // also while nobody calls status()
+    expireSilentDaemons();  // also while nobody calls status()
     const StatusBoard::WriterId id = writerId(status);
     if (!receive(std::move(status), id)) return;
     const std::lock_guard lock(heard_mutex_);
     heard_[id] = Clock::now();
   }
 
-  void forgetSilent() const {
+  void expireSilentDaemons() const {
     const std::lock_guard lock(heard_mutex_);
     std::erase_if(heard_, [&, now = Clock::now()](const auto& heard) {
       const bool is_silent = now - heard.second > kLcmSilence;
@@ -148,23 +149,23 @@ class LcmSubscriber final : public ReceivingSubscriber {
   }
 
   /// After a new session or a changed groom.
-  void askForGroom() {
-    const std::lock_guard lock(sign_mutex_);
+  void requestGroom() {
+    const std::lock_guard lock(heartbeat_mutex_);
     lacks_groom_ = true;
     wake_.notify_all();
   }
 
-  void giveSigns() {
+  void sendHeartbeats() {
     std::vector<uint8_t> message;
-    std::unique_lock lock(sign_mutex_);
+    std::unique_lock lock(heartbeat_mutex_);
     while (!stop_) {
-      sign_.wants_groom = std::exchange(lacks_groom_, false) || !groom() || !body() || !colliders();
-      toBytes(sign_, message);
+      heartbeat_.wants_groom = std::exchange(lacks_groom_, false) || !groom() || !body() || !colliders();
+      toBytes(heartbeat_, message);
       link_->send(channels_.reader, message);
-      // A sign that asks is followed by the next after kAskPeriod; a complete reader asks as soon as it lacks
-      // something.
-      wake_.wait_for(lock, sign_.wants_groom ? kAskPeriod : kSignPeriod,
-                     [&] { return stop_ || (lacks_groom_ && !sign_.wants_groom); });
+      // A sign that asks is followed by the next after kRequestPeriod; a complete reader asks as soon as it
+      // lacks something.
+      wake_.wait_for(lock, heartbeat_.wants_groom ? kRequestPeriod : kHeartbeatPeriod,
+                     [&] { return stop_ || (lacks_groom_ && !heartbeat_.wants_groom); });
     }
   }
 
@@ -173,14 +174,14 @@ class LcmSubscriber final : public ReceivingSubscriber {
   mutable std::mutex heard_mutex_;
   mutable std::map<StatusBoard::WriterId, Clock::time_point> heard_;
 
-  std::mutex sign_mutex_;  // guards all below
+  std::mutex heartbeat_mutex_;  // guards all below
   std::condition_variable wake_;
-  ReaderSign sign_;
+  ReaderHeartbeat heartbeat_;
   bool lacks_groom_ = false, stop_ = false;
 
   std::shared_ptr<MessageLink> link_;
-  std::vector<MessageLink::Listening> ears_;
-  std::thread signs_;
+  std::vector<MessageLink::Subscription> subscriptions_;
+  std::thread heartbeat_thread_;
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr float kFarthest = 1e7f;  // m
 constexpr float kLargestUnit = 1e30f;
 
 bool isShape(uint32_t cells, const Vec3& origin, float cell) {
-  return cells > 0 && cells <= kMostGridCells && cells % kGridLayers == 0 && origin.allFinite() &&
+  return cells > 0 && cells <= kMaxGridCells && cells % kGridLayers == 0 && origin.allFinite() &&
          origin.cwiseAbs().maxCoeff() <= kFarthest && cell > 0 && cell <= kFarthest;
 }
 

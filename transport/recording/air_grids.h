@@ -11,12 +11,12 @@ namespace strandcast {
 /// Quantities of a grid of air and hair, in the order of their bits in GridRecord::values.
 enum class GridValue : size_t { kDensity, kWindX, kWindY, kWindZ, kPressure, kDivergence, kSolid };
 inline constexpr size_t kGridValues = 7;
-inline constexpr uint32_t kMostGridCells = 128;  ///< per axis
-inline constexpr uint32_t kGridLayers = 16;      ///< layers of cells per record
+inline constexpr uint32_t kMaxGridCells = 128;  ///< per axis
+inline constexpr uint32_t kGridLayers = 16;     ///< layers of cells per record
 
 /// Air and hair around a frame, as a recording stores them.
 struct AirGrids {
-  uint32_t cells = 0;          ///< per axis: a multiple of kGridLayers, at most kMostGridCells
+  uint32_t cells = 0;          ///< per axis: a multiple of kGridLayers, at most kMaxGridCells
   Vec3 origin = Vec3::Zero();  ///< m, world: the corner of least x, y and z; axes are the world's
   float cell = 0;              ///< m
   /// Per GridValue at the middle of each cell, x fastest, then y: cells^3 values, or none where unknown.

@@ -119,11 +119,11 @@ class RecordingPublisher final : public Publisher {
   std::optional<Command> takeCommand() override;
   uint32_t matchedReaders() const override { return publisher_->matchedReaders(); }
   EncodingReport encoding() const override { return publisher_->encoding(); }
-  std::optional<Rival> rival() const override { return publisher_->rival(); }
+  std::optional<ConflictingDaemon> conflict() const override { return publisher_->conflict(); }
   std::chrono::milliseconds listenTime() const override { return publisher_->listenTime(); }
-  size_t possibleRivals() const override { return publisher_->possibleRivals(); }
+  size_t possibleConflicts() const override { return publisher_->possibleConflicts(); }
   CastingState castingState() const override { return publisher_->castingState(); }
-  bool takeLapse() override { return publisher_->takeLapse(); }
+  bool pollClaimLoss() override { return publisher_->pollClaimLoss(); }
   size_t sharers() const override { return publisher_->sharers(); }
   bool wantsHair() const override { return publisher_->wantsHair(); }
   void publishShow(const Show& show) override { publisher_->publishShow(show); }

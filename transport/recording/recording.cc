@@ -250,7 +250,7 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
       out.record.number != number)
     return false;
 
-  assembler_.beginAnew();
+  assembler_.restart();
   out.frame.reset();
   for (uint32_t i = 0; i < out.record.chunks && !out.frame; ++i) {
     at = record.next;

@@ -107,7 +107,7 @@ FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
   } else if (kernel == 24) {
     o.v[0] = crowding(i.v[0], i.v[1], i.v[2]);
   } else if (kernel == 25) {
-    out3(o, 0, dragNotFelt(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
+    out3(o, 0, slipDragLoss(in3(i, 0), in3(i, 3), i.v[6], i.v[7]));
   } else if (kernel == 26) {
     o.v[0] = heldCrowding(i.v[0], i.v[1], i.v[2], i.v[3], i.v[4], i.v[5]);
   } else if (kernel == 27) {

@@ -1,4 +1,4 @@
-#include "apps/hair_outlook.h"
+#include "apps/hair_estimate.h"
 
 #include <fmt/format.h>
 
@@ -17,8 +17,8 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kSample = 192;         // strands timed to estimate the whole
-constexpr size_t kWorthASample = 4000;  // strands; fewer take less than a second
+constexpr size_t kSample = 192;              // strands timed to estimate the whole
+constexpr size_t kMinSampledStrands = 4000;  // strands; fewer take less than a second
 
 template <class Work>
 double secondsOf(const Work& work) {
@@ -38,17 +38,17 @@ double mebibytes(size_t bytes) { return static_cast<double>(bytes) / (1 << 20); 
 
 }  // namespace
 
-bool HairOutlook::isWorthSaying() const { return seconds >= kBakeWorthSaying || bytes >= kMemoryWorthSaying; }
+bool HairEstimate::isNotable() const { return seconds >= kNotableBakeSeconds || bytes >= kNotableMemory; }
 
-std::string HairOutlook::text() const {
+std::string HairEstimate::text() const {
   std::string text;
-  if (seconds >= kBakeWorthSaying) text = fmt::format("about {:.0f} s", seconds);
+  if (seconds >= kNotableBakeSeconds) text = fmt::format("about {:.0f} s", seconds);
   if (bytes > 0) text += fmt::format("{}{:.0f} MiB", text.empty() ? "about " : ", ", mebibytes(bytes));
   return text;
 }
 
-HairOutlook outlookOfGroom(const SceneOptions& options) {
-  HairOutlook out;
+HairEstimate estimateOfGroom(const SceneOptions& options) {
+  HairEstimate out;
   if (!options.groom.empty()) {
     // bytes/s of one core of 2020: binary files are read in one pass, texts are parsed word by word.
     constexpr double kBinaryPerSecond = 300e6, kTextPerSecond = 30e6;
@@ -68,19 +68,19 @@ HairOutlook outlookOfGroom(const SceneOptions& options) {
   out.strands = static_cast<size_t>(groom.strands);
   out.vertices = out.strands * static_cast<size_t>(groom.vertices);
   out.bytes = out.vertices * kBytesPerVertex;
-  if (out.strands < kWorthASample) return out;
+  if (out.strands < kMinSampledStrands) return out;
   groom.strands = static_cast<int>(kSample);
   out.seconds = secondsOf([&] { makeProceduralGroom(groom); }) * static_cast<double>(out.strands) / kSample;
   return out;
 }
 
-HairOutlook outlookOfModel(const Scene& scene, const Settings& settings) {
+HairEstimate estimateOfModel(const Scene& scene, const Settings& settings) {
   const StrandSet& strands = scene.groom.strands;
-  HairOutlook out;
+  HairEstimate out;
   out.strands = strands.strands();
   out.vertices = strands.vertices();
   out.bytes = out.vertices * kBytesPerVertex;
-  if (out.strands < kWorthASample) return out;
+  if (out.strands < kMinSampledStrands) return out;
   const StrandSet some = subset(strands, sampleOf(out.strands));
   const double times = static_cast<double>(out.strands) / kSample;
   StrandModel model;

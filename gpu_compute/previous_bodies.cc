@@ -1,4 +1,4 @@
-#include "gpu_compute/seen_bodies.h"
+#include "gpu_compute/previous_bodies.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ bool same(const float (&a)[n], const float (&b)[n]) {
   return std::equal(a, a + n, b);
 }
 
-bool goesOn(const MovingPrimitive& before, const MovingPrimitive& now) {
+bool continues(const MovingPrimitive& before, const MovingPrimitive& now) {
   // The bend of a field, and so its bounding radius, may change between steps.
   const bool bends = now.kind == static_cast<uint32_t>(PrimitiveKind::kField);
   return before.kind == now.kind && (bends || (before.radius == now.radius && before.extra == now.extra)) &&
@@ -21,16 +21,16 @@ bool goesOn(const MovingPrimitive& before, const MovingPrimitive& now) {
 
 }  // namespace
 
-bool SeenBodies::goOn(const StepInput& input) const {
+bool PreviousBodies::isContinuation(const StepInput& input) const {
   const bool shaped = input.shapes == nullptr || input.shapes->revision == shapes_revision_;
   const bool listed = input.near != nullptr;
   return shaped && input.parameters->hair_radius == hair_radius_ &&
-         std::ranges::equal(bodies_, input.primitives, goesOn) && listed == listed_ &&
+         std::ranges::equal(bodies_, input.primitives, continues) && listed == listed_ &&
          (!listed || (input.near->offsets == near_.offsets && input.near->bodies == near_.bodies));
 }
 
-bool SeenBodies::holdsIn(const StepInput& input) {
-  const bool holds = goOn(input);
+bool PreviousBodies::matchesNext(const StepInput& input) {
+  const bool holds = isContinuation(input);
   bodies_.assign(input.primitives.begin(), input.primitives.end());
   listed_ = input.near != nullptr;
   if (listed_) near_ = *input.near;

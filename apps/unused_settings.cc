@@ -1,4 +1,4 @@
-#include "apps/void_settings.h"
+#include "apps/unused_settings.h"
 
 #include <fmt/format.h>
 
@@ -13,19 +13,19 @@
 namespace strandcast {
 namespace {
 
-enum class Verdict {
+enum class Severity {
   kRefused,
-  kTold,    ///< warns that the setting is not used
-  kDoubted  ///< warns that the setting is used in part
+  kWarned,     ///< warns that the setting is not used
+  kPartlyUsed  ///< warns that the setting is used in part
 };
 
-// A row of a table: `key`, as in configuration files, has no effect where `is_void`. `cause`: the key of the
-// setting that makes it void; empty where a missing setting does.
-struct VoidSetting {
+// A row of a table: `key`, as in configuration files, has no effect where `is_unused`. `cause`: the key of
+// the setting that makes it void; empty where a missing setting does.
+struct UnusedSetting {
   const char *key, *cause;
-  bool (*is_void)(const Settings&);
+  bool (*is_unused)(const Settings&);
   const char *reason, *remedy;
-  Verdict verdict;
+  Severity severity;
 };
 
 bool hasFiles(const Settings& s) { return !s.scene.groom.empty(); }
@@ -52,16 +52,17 @@ Parameters parametersOf(const Settings& s) {
   return parameters;
 }
 
-constexpr Verdict kRefused = Verdict::kRefused, kTold = Verdict::kTold, kDoubted = Verdict::kDoubted;
+constexpr Severity kRefused = Severity::kRefused, kWarned = Severity::kWarned,
+                   kPartlyUsed = Severity::kPartlyUsed;
 
 // clang-format off
-constexpr VoidSetting kSceneRules[] = {
+constexpr UnusedSetting kSceneRules[] = {
     {"scene", "groom.files", hasFiles,
      "a procedural scene and a groom cannot be simulated together", "leave one of them out", kRefused},
     {"groom.length", "groom.files", hasFiles,
      "hair of groom files has its own length", "leave length out (--length): it is for procedural scenes", kRefused},
     {"seed", "groom.files", hasFiles,
-     "groom files use no random numbers", "leave the seed out", kTold},
+     "groom files use no random numbers", "leave the seed out", kWarned},
     {"groom.unit_meters", "scene", isGrownAlone,
      "procedural hair is in metres", "leave it out, or give a --groom", kRefused},
     {"groom.up", "scene", isGrownAlone,
@@ -76,32 +77,32 @@ constexpr VoidSetting kSceneRules[] = {
     {"body.cell", "body.contact", [](const Settings& s) { return hasSpheres(s) && !hasMeshes(s); },
      "spheres have no cells", "leave it out, or --body-contact field", kRefused},
     {"body.fitted_spheres", "body.contact", [](const Settings& s) { return hasBody(s) && !hasSpheres(s); },
-     "the body collides through its distance field", "leave it out, or --body-contact spheres", kTold},
-    {"body.contact", "scene", isGrown, "the procedural body consists of shapes", "leave it out", kTold},
-    {"body.cell", "scene", isGrownAlone, "the procedural body consists of shapes", "leave it out", kTold},
-    {"body.fitted_spheres", "scene", isGrown, "the procedural body consists of shapes", "leave it out", kTold},
+     "the body collides through its distance field", "leave it out, or --body-contact spheres", kWarned},
+    {"body.contact", "scene", isGrown, "the procedural body consists of shapes", "leave it out", kWarned},
+    {"body.cell", "scene", isGrownAlone, "the procedural body consists of shapes", "leave it out", kWarned},
+    {"body.fitted_spheres", "scene", isGrown, "the procedural body consists of shapes", "leave it out", kWarned},
 };
 
-constexpr VoidSetting kSolverRules[] = {
+constexpr UnusedSetting kSolverRules[] = {
     {"material.tether", "daemon.solver", isRod,
-     "the rod is inextensible", "leave it out, or --solver gauss_seidel", kTold},
+     "the rod is inextensible", "leave it out, or --solver gauss_seidel", kWarned},
     {"daemon.sag_free", "daemon.solver", isGaussSeidel,
-     "only the rod is made sag-free", "leave it out, or --solver rod", kTold},
+     "only the rod is made sag-free", "leave it out, or --solver rod", kWarned},
     {"material.youngs_modulus", "daemon.solver", isGaussSeidel,
-     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kTold},
+     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kWarned},
     {"material.poisson_ratio", "daemon.solver", isGaussSeidel,
-     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kTold},
+     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kWarned},
     {"material.shear_modulus", "daemon.solver", isGaussSeidel,
-     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kTold},
+     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kWarned},
     {"material.stiffness_curve", "daemon.solver", isGaussSeidel,
-     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kTold},
+     "gauss_seidel has no elasticity", "leave it out, or --solver rod", kWarned},
     {"material.damping_scale", "daemon.solver", isGaussSeidel,
-     "gauss_seidel has no internal damping", "leave it out, or --solver rod", kTold},
+     "gauss_seidel has no internal damping", "leave it out, or --solver rod", kWarned},
     {"material.damping_curve", "daemon.solver", isGaussSeidel,
-     "gauss_seidel has no internal damping", "leave it out, or --solver rod", kTold},
+     "gauss_seidel has no internal damping", "leave it out, or --solver rod", kWarned},
 };
 
-constexpr VoidSetting kNetworkRules[] = {
+constexpr UnusedSetting kNetworkRules[] = {
     {"transport.lcm_url", "transport.kind", isDds, "DDS has no URL", "add --transport lcm", kRefused},
     {"transport.domain", "transport.lcm_url", [](const Settings& s) { return isLcm(s) && !s.lcm_url.empty(); },
      "the LCM URL gives the port", "leave the domain out, or the URL", kRefused},
@@ -117,7 +118,7 @@ constexpr VoidSetting kNetworkRules[] = {
      "only the profile secure uses keys", "give --profile secure too", kRefused},
 };
 
-constexpr VoidSetting kCodecRules[] = {
+constexpr UnusedSetting kCodecRules[] = {
     {"transport.codec_error_mm", "transport.codec", [](const Settings& s) { return s.codec.codec == Codec::kFloat32; },
      "float32 has no error", "leave the error out, or choose another codec", kRefused},
     {"transport.zstd", "transport.codec",
@@ -130,13 +131,13 @@ constexpr VoidSetting kCodecRules[] = {
     {"daemon.rate", "parameters.time_step",
      [](const Settings& s) { return s.rate * static_cast<double>(parametersOf(s).time_step) > 1 + 1e-6; },
      "the frame rate is above the step rate: some frames are published twice",
-     "give a lower rate, or a shorter time step (--set time_step)", kDoubted},
+     "give a lower rate, or a shorter time step (--set time_step)", kPartlyUsed},
 };
 
 // Parameters that others make void: solver parameters first, then air and hair on grids (docs/air.md).
-struct VoidParameter {
+struct UnusedParameter {
   const char* name;
-  bool (*is_void)(const Parameters&);
+  bool (*is_unused)(const Parameters&);
   const char* needs;
 };
 using P = Parameters;
@@ -148,7 +149,7 @@ bool isStill(const P& p) { return p.wind.isZero(); }
 constexpr const char *kNeedsGaussSeidel = "only --solver gauss_seidel uses it", *kNeedsDrag = "it needs air_drag above 0",
                      *kNeedsWindGrid = "it needs wind_grid=1", *kNeedsWind = "it needs a wind that is not zero",
                      *kNeedsVolume = "it needs volume_stiffness above 0";
-constexpr VoidParameter kParameterRules[] = {
+constexpr UnusedParameter kParameterRules[] = {
     {"iterations", isOfRod, kNeedsGaussSeidel},
     {"shape_rate", isOfRod, kNeedsGaussSeidel},
     {"shape_rate_tip", isOfRod, kNeedsGaussSeidel},
@@ -175,16 +176,16 @@ std::string nameOf(const char* key, const std::string& place) {
   return isOption(place) ? place : fmt::format("{}, {}", place, key);
 }
 
-void check(std::span<const VoidSetting> rules, const Settings& s, std::vector<std::string>& told) {
-  for (const VoidSetting& rule : rules) {
+void check(std::span<const UnusedSetting> rules, const Settings& s, std::vector<std::string>& told) {
+  for (const UnusedSetting& rule : rules) {
     const auto given = s.given.find(rule.key);
-    if (given == s.given.end() || !rule.is_void(s)) continue;
+    if (given == s.given.end() || !rule.is_unused(s)) continue;
     const auto cause = s.given.find(rule.cause);
     const bool gives_way = !isOption(given->second) && cause != s.given.end() && isOption(cause->second);
     const Error refusal(rule.reason, nameOf(rule.key, given->second), rule.remedy);
-    if (rule.verdict == kRefused && !gives_way) throw refusal;
+    if (rule.severity == kRefused && !gives_way) throw refusal;
     const std::string line =
-        rule.verdict == Verdict::kDoubted
+        rule.severity == Severity::kPartlyUsed
             ? refusal.what()
             : fmt::format("{} is not used: {}", nameOf(rule.key, given->second), rule.reason);
     if (std::find(told.begin(), told.end(), line) == told.end()) told.push_back(line);
@@ -195,10 +196,10 @@ void checkParameters(const Settings& s, bool any_solver, std::vector<std::string
   Parameters parameters = parametersOf(s);
   parameters.solver = s.solver;
   const Parameters standard;
-  for (const VoidParameter& rule : kParameterRules) {
+  for (const UnusedParameter& rule : kParameterRules) {
     const auto given = s.given.find(std::string("parameters.") + rule.name);
     const bool is_of_solver = rule.needs == kNeedsGaussSeidel || std::string(rule.name) == "damping_time";
-    if (given == s.given.end() || !rule.is_void(parameters) || (any_solver && is_of_solver)) continue;
+    if (given == s.given.end() || !rule.is_unused(parameters) || (any_solver && is_of_solver)) continue;
     // Presets and the viewer name every parameter, so a default value does not count as given.
     if (parameter(parameters, rule.name) == parameter(standard, rule.name)) continue;
     told.push_back(
@@ -208,7 +209,7 @@ void checkParameters(const Settings& s, bool any_solver, std::vector<std::string
 
 }  // namespace
 
-std::vector<std::string> checkVoidSettings(const Settings& settings, bool any_solver) {
+std::vector<std::string> checkUnusedSettings(const Settings& settings, bool any_solver) {
   std::vector<std::string> told;
   check(kSceneRules, settings, told);
   check(kNetworkRules, settings, told);
@@ -218,20 +219,20 @@ std::vector<std::string> checkVoidSettings(const Settings& settings, bool any_so
   return told;
 }
 
-void refuseVoidNetwork(const Settings& settings) {
+void checkUnusedNetworkSettings(const Settings& settings) {
   std::vector<std::string> told;
   check(kNetworkRules, settings, told);
 }
 
-std::string needOf(const std::string& name) {
-  for (const VoidParameter& rule : kParameterRules)
+std::string conditionOf(const std::string& name) {
+  for (const UnusedParameter& rule : kParameterRules)
     if (rule.name == name) return rule.needs;
   return {};
 }
 
-std::string whyVoid(const Parameters& parameters, const std::string& name) {
-  for (const VoidParameter& rule : kParameterRules)
-    if (rule.name == name && rule.is_void(parameters)) return rule.needs;
+std::string unmetConditionOf(const Parameters& parameters, const std::string& name) {
+  for (const UnusedParameter& rule : kParameterRules)
+    if (rule.name == name && rule.is_unused(parameters)) return rule.needs;
   return {};
 }
 

@@ -1,4 +1,4 @@
-#include "apps/steered_head.h"
+#include "apps/head_control.h"
 
 #include <utility>
 
@@ -13,7 +13,7 @@ bool isSame(const Pose& a, const Pose& b) {
 }
 
 HeadMotion rampTo(const Pose& from, const Pose& to) {
-  return [=](double seconds) { return onTheWay(from, to, seconds, kRampSeconds); };
+  return [=](double seconds) { return poseBetween(from, to, seconds, kRampSeconds); };
 }
 
 /// Blends from the pose `from` into a motion, over kRampSeconds.
@@ -25,22 +25,22 @@ HeadMotion rampInto(HeadMotion motion, const Pose& from) {
 
 }  // namespace
 
-bool SteeredHead::operator==(const SteeredHead& other) const {
+bool HeadControl::operator==(const HeadControl& other) const {
   return kind == other.kind && name == other.name && start == other.start && isSame(from, other.from) &&
          isSame(to, other.to);
 }
 
-Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of) {
+Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of) {
   return interpolate(from, to, static_cast<float>(easedFraction(seconds, of)));
 }
 
-HeadMotion motionOf(const SteeredHead& steered, const HeadMotion& scene, const Vec3& pivot) {
+HeadMotion motionOf(const HeadControl& steered, const HeadMotion& scene, const Vec3& pivot) {
   switch (steered.kind) {
-    case SteeredHead::Kind::kNamed:
+    case HeadControl::Kind::kNamed:
       return rampInto(proceduralMotion(steered.name, pivot), steered.from);
-    case SteeredHead::Kind::kPose:
+    case HeadControl::Kind::kPose:
       return rampTo(steered.from, steered.to);
-    case SteeredHead::Kind::kScene:
+    case HeadControl::Kind::kScene:
       break;
   }
   return scene;

@@ -1,4 +1,4 @@
-#include "apps/void_picture.h"
+#include "apps/unused_picture_options.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -6,10 +6,10 @@
 namespace strandcast {
 namespace {
 
-// An option `name` that has no effect where `is_void`. A setting of lights is tested with its own light.
-struct VoidOption {
+// An option `name` that has no effect where `is_unused`. A setting of lights is tested with its own light.
+struct UnusedOption {
   const char* name;
-  bool (*is_void)(const PictureOptions&, const Light&);
+  bool (*is_unused)(const PictureOptions&, const Light&);
   const char* reason;
 };
 
@@ -20,7 +20,7 @@ bool isTessellated(const O& o, const Light&) { return o.settings.growth_path == 
 constexpr const char *kNoShadows = "--shadows is off", *kNoSpot = "the light is no spot";
 
 // clang-format off
-constexpr VoidOption kRules[] = {
+constexpr UnusedOption kRules[] = {
     {"filter", [](const O& o, const Light&) { return o.settings.supersampling == 1; },
      "--supersampling is 1"},
     {"geometry", isTessellated, "--growth tessellator draws lines"},
@@ -52,17 +52,17 @@ constexpr VoidOption kRules[] = {
 
 }  // namespace
 
-std::vector<std::string> voidPictureOptions(const PictureOptions& options) {
+std::vector<std::string> unusedPictureOptions(const PictureOptions& options) {
   std::vector<std::string> lines;
   for (const auto& [name, light] : options.given)
-    for (const VoidOption& rule : kRules)
-      if (name == rule.name && rule.is_void(options, options.settings.lights.at(light)))
+    for (const UnusedOption& rule : kRules)
+      if (name == rule.name && rule.is_unused(options, options.settings.lights.at(light)))
         lines.push_back(fmt::format("--{} is not used: {}", name, rule.reason));
   return lines;
 }
 
-void warnOfVoidPicture(const PictureOptions& options) {
-  for (const std::string& line : voidPictureOptions(options)) spdlog::warn("{}", line);
+void warnOfUnusedPictureOptions(const PictureOptions& options) {
+  for (const std::string& line : unusedPictureOptions(options)) spdlog::warn("{}", line);
 }
 
 }  // namespace strandcast

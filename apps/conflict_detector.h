@@ -10,18 +10,18 @@ namespace strandcast {
 
 /// Period after a daemon's first frame in which it gives way to a daemon that has cast the same groom for
 /// longer.
-inline constexpr std::chrono::seconds kSecondThoughts{10};
+inline constexpr std::chrono::seconds kConflictWindow{10};
 
 /// Detects other daemons that cast the same groom. A starting daemon listens for rivals first (GroomClaim),
 /// but a busy network may delay a rival's message, and a third-party daemon may not listen at all.
-class RivalWatch {
+class ConflictDetector {
  public:
-  explicit RivalWatch(uint32_t groom_id) : groom_id_(groom_id) {}
+  explicit ConflictDetector(uint32_t groom_id) : groom_id_(groom_id) {}
   /// Returns why the daemon of `session`, which has cast `frames` frames for `casting`, must end: a rival was
   /// heard late. That rival has cast for longer, or equally long with the lower session. For any other rival
   /// it logs a warning, once each, and returns empty.
-  std::optional<std::string> look(const Publisher& publisher, uint64_t session, uint64_t frames,
-                                  std::chrono::steady_clock::duration casting);
+  std::optional<std::string> check(const Publisher& publisher, uint64_t session, uint64_t frames,
+                                   std::chrono::steady_clock::duration casting);
 
  private:
   uint32_t groom_id_;

@@ -9,13 +9,13 @@
 namespace strandcast {
 
 /// Runs this program once more as a child process. The destructor ends the child.
-class SecondProcess {
+class ChildProcess {
  public:
   /// Starts the program with these arguments; it shares standard error. Throws Error.
-  explicit SecondProcess(std::vector<std::string> words);
-  ~SecondProcess();
-  SecondProcess(const SecondProcess&) = delete;
-  SecondProcess& operator=(const SecondProcess&) = delete;
+  explicit ChildProcess(std::vector<std::string> words);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
 
   /// The child's output up to the end of the next line. Empty where the child ends first, prints nothing
   /// within `patience`, or this program is interrupted; end() then describes the outcome.

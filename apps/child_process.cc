@@ -1,4 +1,4 @@
-#include "apps/second_process.h"
+#include "apps/child_process.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -36,7 +36,7 @@ void closeOnce(int& file) {
 
 }  // namespace
 
-SecondProcess::SecondProcess(std::vector<std::string> words) {
+ChildProcess::ChildProcess(std::vector<std::string> words) {
   words.insert(words.begin(), program_invocation_short_name);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -65,11 +65,11 @@ SecondProcess::SecondProcess(std::vector<std::string> words) {
   }
 }
 
-SecondProcess::~SecondProcess() {
+ChildProcess::~ChildProcess() {
   if (pid_ != 0) end();
 }
 
-std::optional<std::string> SecondProcess::line(milliseconds patience) {
+std::optional<std::string> ChildProcess::line(milliseconds patience) {
   const Clock::time_point deadline = Clock::now() + patience;
   for (;;) {
     if (const size_t at = read_.find('\n'); at != std::string::npos) {
@@ -90,9 +90,9 @@ std::optional<std::string> SecondProcess::line(milliseconds patience) {
   }
 }
 
-void SecondProcess::endInput() { closeOnce(input_); }
+void ChildProcess::endInput() { closeOnce(input_); }
 
-std::string SecondProcess::end() {
+std::string ChildProcess::end() {
   endInput();
   if (g_interrupted) kill(pid_, SIGTERM);
   int status = 0;

@@ -8,14 +8,14 @@
 namespace strandcast::gpu {
 
 /// Remembers the bodies of the newest step, to decide whether the contact cache remains valid in the next.
-class SeenBodies {
+class PreviousBodies {
  public:
   /// Call it once per step, in order. True if the step has the bodies of the step before, each starts where
   /// it ended, and the near-body lists and the hair's radius are the same.
-  bool holdsIn(const StepInput& input);
+  bool matchesNext(const StepInput& input);
 
  private:
-  bool goOn(const StepInput& input) const;
+  bool isContinuation(const StepInput& input) const;
 
   std::vector<MovingPrimitive> bodies_;
   bool listed_ = false;

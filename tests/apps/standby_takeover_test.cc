@@ -22,9 +22,9 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 /// A reader that checks a show frame by frame.
-class Audience {
+class FrameObserver {
  public:
-  explicit Audience(int domain) : reader_(makeDdsSubscriber({domain, 1, 0, {}})) {}
+  explicit FrameObserver(int domain) : reader_(makeDdsSubscriber({domain, 1, 0, {}})) {}
 
   Subscriber& reader() { return *reader_; }
   /// Receives frames until `is_over`; false after 10 s.
@@ -83,7 +83,7 @@ class Audience {
   double farthest_ = 0, most_back_ = 0;
 };
 
-class Rehearsal : public ProgramFixture {
+class StandbyTakeover : public ProgramFixture {
  protected:
   void SetUp() override {
     std::string reason;
@@ -99,19 +99,19 @@ class Rehearsal : public ProgramFixture {
     said_ = out;
     return start({"sh", "-c", line}, out);
   }
-  std::string order(Audience& audience, CommandKind kind, const std::string& name,
+  std::string order(FrameObserver& audience, CommandKind kind, const std::string& name,
                     std::vector<double> values) {
     const Command command{
         .groom_id = 1, .id = ++id_, .kind = kind, .name = name, .values = std::move(values)};
     const auto end = Clock::now() + std::chrono::seconds(8);
     return ask(audience.reader(), command, [end] { return Clock::now() > end; }).value_or("no answer");
   }
-  std::string order(Audience& audience, const std::string& ball, double x) {
+  std::string order(FrameObserver& audience, const std::string& ball, double x) {
     return order(audience, CommandKind::kAddCollider, ball,
                  {0, 0, x, 0.1, 0.7, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0.05, 0, 0.3, 0, 0, 0, 0, 0, 0, 1});
   }
   /// Checks wind, three balls of which one has moved, and a head that has moved.
-  void expectShow(Audience& audience, double third_ball) {
+  void expectShow(FrameObserver& audience, double third_ball) {
     const auto told = [&](const std::string& name) {
       const auto status = audience.reader().status();
       if (!status) return std::vector<double>();
@@ -135,7 +135,7 @@ class Rehearsal : public ProgramFixture {
     EXPECT_NEAR(audience.newest().head.rotation.y(), 0.2, 1e-4);
   }
   /// Readers see no long pause between frames, and no jump of hair, head or balls.
-  void expectNoBreak(Audience& audience, const std::string& when) {
+  void expectNoBreak(FrameObserver& audience, const std::string& when) {
     EXPECT_LT(audience.longestPause(), 1.0) << when;
     EXPECT_LT(audience.farthestJump(), 5e-3) << when;
     EXPECT_LT(audience.mostBack(), 0.2) << when;
@@ -152,8 +152,8 @@ class Rehearsal : public ProgramFixture {
   uint64_t id_ = static_cast<uint64_t>(getpid()) << 32;
 };
 
-TEST_F(Rehearsal, AShowGoesOnWhoeverOfItsDaemonsJoinsLeavesAndComesBack) {
-  Audience audience(domain_);
+TEST_F(StandbyTakeover, AShowContinuesWhicheverDaemonJoinsLeavesOrReturns) {
+  FrameObserver audience(domain_);
   const pid_t weaker = claims("1");
   ASSERT_TRUE(audience.watch([&] { return audience.session() != 0; })) << contents(folder_ / said_);
   const uint64_t first = audience.session();
@@ -195,8 +195,8 @@ TEST_F(Rehearsal, AShowGoesOnWhoeverOfItsDaemonsJoinsLeavesAndComesBack) {
   EXPECT_TRUE(isRunning(weaker));
 }
 
-TEST_F(Rehearsal, ADaemonOfAnotherSceneDoesNotJoin) {
-  Audience audience(domain_);
+TEST_F(StandbyTakeover, ADaemonOfAnotherSceneDoesNotJoin) {
+  FrameObserver audience(domain_);
   claims("1");
   ASSERT_TRUE(audience.watch([&] { return audience.session() != 0; })) << contents(folder_ / said_);
   const uint64_t first = audience.session();

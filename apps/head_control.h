@@ -7,7 +7,7 @@ namespace strandcast {
 
 /// The motion of a daemon's head as set by commands and the scene. Plain data, so that another daemon can
 /// take it over.
-struct SteeredHead {
+struct HeadControl {
   enum class Kind {
     kScene,  ///< the scene's own motion
     kNamed,  ///< blends from `from` into the procedural motion `name`
@@ -18,15 +18,15 @@ struct SteeredHead {
   Pose from, to;
   double start = 0;  ///< s of simulation time
 
-  bool operator==(const SteeredHead& other) const;
+  bool operator==(const HeadControl& other) const;
 };
 
 /// The motion as a function of seconds since steered.start. `scene`: the scene's own motion; procedural
 /// motions turn about `pivot`, m. Throws Error on an unknown motion.
-HeadMotion motionOf(const SteeredHead& steered, const HeadMotion& scene, const Vec3& pivot);
+HeadMotion motionOf(const HeadControl& steered, const HeadMotion& scene, const Vec3& pivot);
 
 /// The pose after `seconds` of a motion from one pose to another over `of` seconds, then still. Velocity is
 /// continuous.
-Pose onTheWay(const Pose& from, const Pose& to, double seconds, double of);
+Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of);
 
 }  // namespace strandcast

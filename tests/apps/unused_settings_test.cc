@@ -1,5 +1,5 @@
 // Settings that others make void, given by options and by files.
-#include "apps/void_settings.h"
+#include "apps/unused_settings.h"
 
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
@@ -14,7 +14,7 @@
 namespace strandcast {
 namespace {
 
-class VoidSettings : public ::testing::Test {
+class UnusedSettings : public ::testing::Test {
  protected:
   void SetUp() override { spdlog::set_level(spdlog::level::off); }
   void TearDown() override { spdlog::set_level(spdlog::level::info); }
@@ -37,8 +37,8 @@ class VoidSettings : public ::testing::Test {
     const size_t at = error.find(folder_.string());
     return at == std::string::npos ? error : error.substr(0, at) + error.substr(at + folder_.string().size());
   }
-  bool isTold(const std::string& text, const std::string& options, const std::string& config = "",
-              SettingsUse use = SettingsUse::kServe) {
+  bool isReported(const std::string& text, const std::string& options, const std::string& config = "",
+                  SettingsUse use = SettingsUse::kServe) {
     const std::vector<std::string> told = resolved(options, config, use).warnings;
     return std::any_of(told.begin(), told.end(),
                        [&](const std::string& line) { return line.find(text) != std::string::npos; });
@@ -48,7 +48,7 @@ class VoidSettings : public ::testing::Test {
   const std::filesystem::path folder_ = scratch_ / "";
 };
 
-TEST_F(VoidSettings, ThatContradictEachOtherAreRefusedWithTheirPlace) {
+TEST_F(UnusedSettings, ThatContradictEachOtherAreRefusedWithTheirPlace) {
   EXPECT_EQ(refused("", "scene = \"curly\"\n[groom]\nfiles = \"a.tfx\"\n"),
             "a procedural scene and a groom cannot be simulated together: hair.toml line 1, scene; leave one "
             "of them out");
@@ -78,11 +78,11 @@ TEST_F(VoidSettings, ThatContradictEachOtherAreRefusedWithTheirPlace) {
   Settings shared;
   shared.transport = "lcm";
   shared.given["claim"] = "--claim";
-  EXPECT_EQ(errorOf([&] { refuseVoidNetwork(shared); }),
+  EXPECT_EQ(errorOf([&] { checkUnusedNetworkSettings(shared); }),
             "daemons cannot share a groom over LCM: --claim; use --transport dds");
 }
 
-TEST_F(VoidSettings, ThatOthersLeaveSomethingToDoAreTaken) {
+TEST_F(UnusedSettings, ThatOthersLeaveSomethingToDoAreTaken) {
   for (const char* options :
        {"--groom a.tfx --unit-meters 0.01 --up z", "--groom a.tfx --body b.obj --body-cell 0.01",
         "--unit-meters 0.01 --collider-folder props", "--codec temporal --key-interval 5",
@@ -95,32 +95,34 @@ TEST_F(VoidSettings, ThatOthersLeaveSomethingToDoAreTaken) {
   EXPECT_EQ(refused("", with_mesh), "") << "the chair has a unit";
 }
 
-TEST_F(VoidSettings, ThatDoNothingAreToldOf) {
+TEST_F(UnusedSettings, ThatDoNothingAreReported) {
+  EXPECT_TRUE(isReported("--material all:tether=1.1 is not used: the rod is inextensible",
+                         "--material all:tether=1.1"));
+  EXPECT_TRUE(isReported("line 2, material.tether is not used", "", "[[material]]\ntether = 1.1\n"));
+  EXPECT_TRUE(isReported("only the rod", "--solver gauss_seidel --sag-free"));
+  EXPECT_TRUE(isReported("has no elasticity", "--solver gauss_seidel --material all:youngs_modulus=3e9"));
+  EXPECT_TRUE(isReported("groom files use no random numbers", "--groom a.tfx --seed 3"));
+  EXPECT_TRUE(isReported("published twice", "--rate 120"));
+  EXPECT_TRUE(isReported("consists of shapes", "--body-contact spheres"));
   EXPECT_TRUE(
-      isTold("--material all:tether=1.1 is not used: the rod is inextensible", "--material all:tether=1.1"));
-  EXPECT_TRUE(isTold("line 2, material.tether is not used", "", "[[material]]\ntether = 1.1\n"));
-  EXPECT_TRUE(isTold("only the rod", "--solver gauss_seidel --sag-free"));
-  EXPECT_TRUE(isTold("has no elasticity", "--solver gauss_seidel --material all:youngs_modulus=3e9"));
-  EXPECT_TRUE(isTold("groom files use no random numbers", "--groom a.tfx --seed 3"));
-  EXPECT_TRUE(isTold("published twice", "--rate 120"));
-  EXPECT_TRUE(isTold("consists of shapes", "--body-contact spheres"));
+      isReported("--set shape_rate=7 is not used: only --solver gauss_seidel uses it", "--set shape_rate=7"));
+  EXPECT_TRUE(isReported("it needs wind_grid=1", "--set mac_cormack=1"));
+  EXPECT_TRUE(isReported("it needs a wind", "--set gust=1"));
   EXPECT_TRUE(
-      isTold("--set shape_rate=7 is not used: only --solver gauss_seidel uses it", "--set shape_rate=7"));
-  EXPECT_TRUE(isTold("it needs wind_grid=1", "--set mac_cormack=1"));
-  EXPECT_TRUE(isTold("it needs a wind", "--set gust=1"));
-  EXPECT_TRUE(isTold("line 2, parameters.volume_hold is not used", "", "[parameters]\nvolume_hold = 2\n"));
-  EXPECT_TRUE(isTold("line 4, body.primitives.extent is not used", "",
-                     "[[body.primitives]]\nkind = \"sphere\"\nradius = 0.1\nextent = [1, 1, 1]\n"));
-  EXPECT_TRUE(isTold("wind: direction, swirl is not used: a sphere has none", "",
-                     "[[wind]]\nkind = \"sphere\"\ndirection = [1, 0, 0]\nradius = 1\nswirl = 3\n"));
+      isReported("line 2, parameters.volume_hold is not used", "", "[parameters]\nvolume_hold = 2\n"));
+  EXPECT_TRUE(isReported("line 4, body.primitives.extent is not used", "",
+                         "[[body.primitives]]\nkind = \"sphere\"\nradius = 0.1\nextent = [1, 1, 1]\n"));
+  EXPECT_TRUE(isReported("wind: direction, swirl is not used: a sphere has none", "",
+                         "[[wind]]\nkind = \"sphere\"\ndirection = [1, 0, 0]\nradius = 1\nswirl = 3\n"));
   for (const char* options : {"--set wind_grid=1 --set mac_cormack=1", "--set wind=1,0,0 --set gust=1",
                               "--set hair_friction=1 --set grid_cells=48", "--rate 60",
                               "--set shape_rate=400", "--set time_step=0.004 --rate 120"})
     EXPECT_TRUE(resolved(options).warnings.empty()) << options << ": " << resolved(options).warnings.front();
-  EXPECT_FALSE(isTold("gauss_seidel", "--set shape_rate=7", "", SettingsUse::kCompare)) << "both solvers run";
+  EXPECT_FALSE(isReported("gauss_seidel", "--set shape_rate=7", "", SettingsUse::kCompare))
+      << "both solvers run";
 }
 
-TEST_F(VoidSettings, OfAFileGiveWayToOptions) {
+TEST_F(UnusedSettings, OfAFileGiveWayToOptions) {
   const std::string groom = "[groom]\nfiles = \"a.tfx\"\nunit_meters = 0.01\n";
   const Settings grown = resolved("--scene curly", groom);
   EXPECT_TRUE(grown.scene.groom.empty());
@@ -128,11 +130,11 @@ TEST_F(VoidSettings, OfAFileGiveWayToOptions) {
   EXPECT_NE(grown.notes[0].find("hair.toml line 2, groom.files is overridden by --scene"), std::string::npos)
       << grown.notes[0];
   const std::string exact = "[transport]\ncodec_error_mm = 0.05\n";
-  EXPECT_TRUE(isTold("line 2, transport.codec_error_mm is not used", "--codec float32", exact));
+  EXPECT_TRUE(isReported("line 2, transport.codec_error_mm is not used", "--codec float32", exact));
   EXPECT_EQ(refused("--groom a.tfx", "scene = \"curly\"\n[groom]\nlength = 0.1\n"), "");
 }
 
-TEST_F(VoidSettings, WhatRanOnceIsSimulatedAgain) {
+TEST_F(UnusedSettings, WhatRanOnceIsSimulatedAgain) {
   CLI::App app;
   const SettingsOptions settings(app, SettingsUse::kServe);
   app.parse("--codec float32 --codec-error 0.1");
@@ -141,15 +143,15 @@ TEST_F(VoidSettings, WhatRanOnceIsSimulatedAgain) {
 
 TEST(VoidParameters, AreExplained) {
   Parameters parameters;
-  EXPECT_EQ(whyVoid(parameters, "mac_cormack"), "it needs wind_grid=1");
+  EXPECT_EQ(unmetConditionOf(parameters, "mac_cormack"), "it needs wind_grid=1");
   parameters.wind_grid = 1;
-  EXPECT_EQ(whyVoid(parameters, "mac_cormack"), "");
-  EXPECT_EQ(whyVoid(parameters, "damping_time"), "");
+  EXPECT_EQ(unmetConditionOf(parameters, "mac_cormack"), "");
+  EXPECT_EQ(unmetConditionOf(parameters, "damping_time"), "");
   parameters.solver = SolverKind::kGaussSeidel;
-  EXPECT_EQ(whyVoid(parameters, "damping_time"), "only --solver rod uses it");
-  EXPECT_EQ(whyVoid(parameters, "iterations"), "");
-  EXPECT_EQ(needOf("mac_cormack"), "it needs wind_grid=1") << "whatever the others are";
-  EXPECT_EQ(needOf("gravity"), "");
+  EXPECT_EQ(unmetConditionOf(parameters, "damping_time"), "only --solver rod uses it");
+  EXPECT_EQ(unmetConditionOf(parameters, "iterations"), "");
+  EXPECT_EQ(conditionOf("mac_cormack"), "it needs wind_grid=1") << "whatever the others are";
+  EXPECT_EQ(conditionOf("gravity"), "");
 }
 
 }  // namespace
