@@ -79,9 +79,9 @@ void GroomClaim::check() {
     return;
   }
   if (!conflict_heard_) conflict_heard_ = now;
-  // A rival that also starts and has the higher session exits once it hears this daemon: wait for it. Any
-  // other rival stays. So does one that began to cast before it heard this daemon; the time limit covers that
-  // case.
+  // A conflicting daemon that also starts and has the higher session exits once it hears this daemon: wait
+  // for it. Any other one stays. So does one that began to cast before it heard this daemon; the time limit
+  // covers that case.
   const bool goes =
       !conflict->casts && conflict->session > session_ && now - *conflict_heard_ < 3 * kConflictListenTime;
   if (goes) return;

@@ -25,7 +25,7 @@ std::unique_ptr<Subscriber> subscribe(const Settings& settings);
 /// frames.
 std::unique_ptr<Subscriber> joinForCommands(const Settings& settings);
 /// A daemon's claim to settings.groom_id while it starts. Other daemons hear the claim from the beginning,
-/// and it listens for theirs while the scene loads. An LCM log has no rivals: await() returns at once.
+/// and it listens for theirs while the scene loads. An LCM log has no other daemons: await() returns at once.
 class GroomClaim {
  public:
   /// Joins the network. Throws Error.
@@ -33,8 +33,8 @@ class GroomClaim {
   /// Throws Error where another daemon that has been heard so far holds the groom. Callable from any thread,
   /// one at a time.
   void check();
-  /// Listens until any rival would have been heard, and logs a line where that takes over 0.3 s. Throws as
-  /// check(), and Interrupted on Ctrl-C.
+  /// Listens until any conflicting daemon would have been heard, and logs a line where that takes over 0.3 s.
+  /// Throws as check(), and Interrupted on Ctrl-C.
   void await();
   /// Transfers ownership of the channel; call once. The channel must outlive this claim.
   std::unique_ptr<Publisher> take() { return std::move(owned_); }

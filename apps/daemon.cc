@@ -218,9 +218,9 @@ Pose Daemon::motionPose() const {
   return carried.inverse() * simulation_.headPose();
 }
 
-void Daemon::setHeadControl(HeadControl steered) {
-  motion_ = motionOf(steered, scene_motion_, head_pivot_);
-  head_control_ = std::move(steered);
+void Daemon::setHeadControl(HeadControl control) {
+  motion_ = motionOf(control, scene_motion_, head_pivot_);
+  head_control_ = std::move(control);
 }
 
 void Daemon::addCollider(const Command& command, const std::string& where) {

@@ -74,7 +74,7 @@ class Daemon {
   void moveHead(const Command& command, const std::string& where);
   /// The head pose of the motion alone, without the clip, which goes on and carries the head.
   Pose motionPose() const;
-  void setHeadControl(HeadControl steered);
+  void setHeadControl(HeadControl control);
   void addCollider(const Command& command, const std::string& where);
   void addColliderFile(const Command& command, const std::string& where);
   /// A collider that commands may move or remove; throws Error otherwise.

@@ -73,21 +73,21 @@ bool makes(const Command& command, const ShowEntry& entry) {
 
 HeadControl headControlOf(const ShowEntry& entry, const std::string& where) {
   checkCount(entry, 2 + 2 * kPoseValues, where);
-  HeadControl steered;
+  HeadControl control;
   const double kind = entry.values[0];
   if (kind != 0 && kind != 1 && kind != 2) throw Error("unknown kind of head motion", where, "");
-  steered.kind = static_cast<HeadControl::Kind>(static_cast<int>(kind));
-  steered.name = entry.name;
-  steered.start = entry.values[1];
-  steered.from = commandedPose(entry.values, 2, where);
-  steered.to = commandedPose(entry.values, 2 + kPoseValues, where);
-  return steered;
+  control.kind = static_cast<HeadControl::Kind>(static_cast<int>(kind));
+  control.name = entry.name;
+  control.start = entry.values[1];
+  control.from = commandedPose(entry.values, 2, where);
+  control.to = commandedPose(entry.values, 2 + kPoseValues, where);
+  return control;
 }
 
-ShowEntry entryOf(const HeadControl& steered) {
-  ShowEntry entry{ShowKind::kHead, steered.name, {static_cast<double>(steered.kind), steered.start}};
-  addPose(entry.values, steered.from);
-  addPose(entry.values, steered.to);
+ShowEntry entryOf(const HeadControl& control) {
+  ShowEntry entry{ShowKind::kHead, control.name, {static_cast<double>(control.kind), control.start}};
+  addPose(entry.values, control.from);
+  addPose(entry.values, control.to);
   return entry;
 }
 
@@ -306,7 +306,7 @@ void Daemon::restoreFrom(const Show& show) {
   Parameters parameters = simulation_.parameters();
   std::vector<NamedWindSource> sources;
   std::vector<WindControl::Ramp> wind_tweens;
-  HeadControl steered;
+  HeadControl control;
   const ShowEntry* pull = nullptr;
   uint32_t resets = 0;
   paused_ = false;
@@ -324,7 +324,7 @@ void Daemon::restoreFrom(const Show& show) {
         wind_tweens.push_back(windRampOf(entry, where));
         break;
       case ShowKind::kHead:
-        steered = headControlOf(entry, where);
+        control = headControlOf(entry, where);
         break;
       case ShowKind::kPaused:
         paused_ = true;
@@ -353,7 +353,7 @@ void Daemon::restoreFrom(const Show& show) {
   if (namedValues(parameterTable(parameters)) != namedValues(parameterTable(simulation_.parameters())))
     simulation_.setParameters(parameters);
   wind_.restoreFrom(std::move(sources), std::move(wind_tweens), where);
-  if (!(steered == head_control_)) setHeadControl(steered);
+  if (!(control == head_control_)) setHeadControl(control);
   applyColliders(show);
   const bool is_new = show_session_ != show.session;
   if (show.hasHair()) {

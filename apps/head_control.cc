@@ -34,12 +34,12 @@ Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of) {
   return interpolate(from, to, static_cast<float>(easedFraction(seconds, of)));
 }
 
-HeadMotion motionOf(const HeadControl& steered, const HeadMotion& scene, const Vec3& pivot) {
-  switch (steered.kind) {
+HeadMotion motionOf(const HeadControl& control, const HeadMotion& scene, const Vec3& pivot) {
+  switch (control.kind) {
     case HeadControl::Kind::kNamed:
-      return rampInto(proceduralMotion(steered.name, pivot), steered.from);
+      return rampInto(proceduralMotion(control.name, pivot), control.from);
     case HeadControl::Kind::kPose:
-      return rampTo(steered.from, steered.to);
+      return rampTo(control.from, control.to);
     case HeadControl::Kind::kScene:
       break;
   }

@@ -21,9 +21,9 @@ struct HeadControl {
   bool operator==(const HeadControl& other) const;
 };
 
-/// The motion as a function of seconds since steered.start. `scene`: the scene's own motion; procedural
+/// The motion as a function of seconds since control.start. `scene`: the scene's own motion; procedural
 /// motions turn about `pivot`, m. Throws Error on an unknown motion.
-HeadMotion motionOf(const HeadControl& steered, const HeadMotion& scene, const Vec3& pivot);
+HeadMotion motionOf(const HeadControl& control, const HeadMotion& scene, const Vec3& pivot);
 
 /// The pose after `seconds` of a motion from one pose to another over `of` seconds, then still. Velocity is
 /// continuous.

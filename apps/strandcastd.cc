@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
                   "name a folder of meshes (--collider-folder)");
     const uint64_t session = newSession();
     GroomClaim groom(settings,
-                     session);  // rivals hear each other while the scene is loaded
+                     session);  // conflicting daemons hear each other while the scene is loaded
     std::unique_ptr<Publisher> publisher = groom.take();
     Scene scene = makeSceneWithProgress(settings.scene, [&] { groom.check(); });
     RecordingPublisher* recording = nullptr;

@@ -83,7 +83,8 @@ std::vector<std::string> wordsOf(const StartOptions& o) {
   return {daemonOf(o).string(), "--scene", o.scene, "--strands", std::to_string(o.strands), "--quiet"};
 }
 
-/// ms from exec to the end of a daemon that writes one frame to an LCM log, where it waits for no rivals.
+/// ms from exec to the end of a daemon that writes one frame to an LCM log, where it waits for no other
+/// daemons.
 double loadingMs(const StartOptions& o) {
   const fs::path log = fs::temp_directory_path() / fmt::format("strandbench_start_{}.log", getpid());
   std::vector<std::string> words = wordsOf(o);

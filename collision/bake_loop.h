@@ -1,4 +1,3 @@
-// Internal parts of a bake (field_bake.cc): loops with progress, grid, search of bricks, accuracy.
 #pragma once
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -85,24 +84,5 @@ class BakeLoop {
   oneapi::tbb::task_arena arena_;
   std::atomic<bool> stopping_{false};
 };
-
-/// Bounding box of the vertices that triangles use.
-Box usedBounds(const TriangleMesh& mesh);
-
-/// Grid around the mesh with a margin of at least the band on each side. Throws Error when it is too large.
-FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved);
-
-/// Value of an index entry during the search: the brick is to be stored.
-constexpr uint32_t kCandidate = 0;
-
-/// Index of the grid with kCandidate for bricks that may come nearer to the mesh than the band, else
-/// kOutsideBrick. The grid is subdivided as an octree, so the work scales with the surface and not with the
-/// grid. `done`: value reported as progress.
-std::vector<uint32_t> findBricks(const FieldGrid& grid, const MeshQuery& query, BakeLoop& loop,
-                                 const BakeProgress& progress, double done);
-
-/// Compares a field with the exact distance of `body` at `points` random points of its band.
-FieldAccuracy measureField(const DistanceField& field, const BodyDistance& body, size_t points,
-                           const BakeProgress& progress);
 
 }  // namespace strandcast

@@ -33,14 +33,10 @@ void requireRange(float value, float low, float high, const char* what, const Tr
 /// To be raised with each change of the baking that changes fields.
 constexpr uint32_t kBakingVersion = 2;
 
-}  // namespace
+/// Value of an index entry during the search: the brick is to be stored.
+constexpr uint32_t kCandidate = 0;
 
-float defaultFieldCell(float hair_radius, float diagonal) {
-  return std::max(hair_radius, std::sqrt(diagonal * hair_radius / 8));
-}
-
-float defaultFieldBand(float hair_radius, float cell) { return 4 * cell + hair_radius; }
-
+/// Bounding box of the vertices that triangles use.
 Box usedBounds(const TriangleMesh& mesh) {
   Box box;
   for (const auto& triangle : mesh.triangles)
@@ -48,6 +44,7 @@ Box usedBounds(const TriangleMesh& mesh) {
   return box;
 }
 
+/// Grid around the mesh with a margin of at least the band on each side. Throws Error when it is too large.
 FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved) {
   FieldGrid grid{};
   grid.cell = resolved.cell;
@@ -75,6 +72,14 @@ FieldGrid makeFieldGrid(const TriangleMesh& mesh, const FieldOptions& resolved) 
                 "give a larger cell (--cell), or check the unit of the mesh");
   return grid;
 }
+
+}  // namespace
+
+float defaultFieldCell(float hair_radius, float diagonal) {
+  return std::max(hair_radius, std::sqrt(diagonal * hair_radius / 8));
+}
+
+float defaultFieldBand(float hair_radius, float cell) { return 4 * cell + hair_radius; }
 
 FieldOptions resolveFieldOptions(const TriangleMesh& mesh, const FieldOptions& options) {
   requireSoundMesh(mesh);
@@ -170,14 +175,13 @@ class BrickSearch {
   const FieldGrid& grid_;
 };
 
-}  // namespace
-
+/// Index of the grid with kCandidate for bricks that may come nearer to the mesh than the band, else
+/// kOutsideBrick. The grid is subdivided as an octree, so the work scales with the surface and not with the
+/// grid. `done`: value reported as progress.
 std::vector<uint32_t> findBricks(const FieldGrid& grid, const MeshQuery& query, BakeLoop& loop,
                                  const BakeProgress& progress, double done) {
   return BrickSearch(grid).run(query, loop, progress, done);
 }
-
-namespace {
 
 /// Random points in the stored bricks of a field.
 class BandPlaces {
@@ -207,8 +211,7 @@ double degrees(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
 }
 
-}  // namespace
-
+/// Compares a field with the exact distance of `body` at `points` random points of its band.
 FieldAccuracy measureField(const DistanceField& field, const BodyDistance& body, size_t points,
                            const BakeProgress& progress) {
   const FieldGrid& grid = field.grid;
@@ -246,8 +249,6 @@ FieldAccuracy measureField(const DistanceField& field, const BodyDistance& body,
   }
   return out;
 }
-
-namespace {
 
 using Corners = std::array<Vec3, 3>;
 

@@ -70,8 +70,9 @@ std::vector<std::string> FieldCache::warnings(uint64_t key) const {
 
 BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name) {
   if (!begins) return {};
-  return
-      [begins, name](const std::string& outlook, double seconds) { begins(name + ": " + outlook, seconds); };
+  return [begins, name](const std::string& estimate, double seconds) {
+    begins(name + ": " + estimate, seconds);
+  };
 }
 
 namespace {

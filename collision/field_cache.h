@@ -46,9 +46,9 @@ struct SceneField {
   std::vector<std::string> warnings{};
 };
 constexpr double kNotableBakeSeconds = 1;  ///< s: shorter bakes are not announced
-/// Called before a bake begins. `outlook`: one line for the user on time and memory, without the body's name.
-/// `seconds`: the estimated time.
-using BakeAnnouncement = std::function<void(const std::string& outlook, double seconds)>;
+/// Called before a bake begins. `estimate`: one line for the user on time and memory, without the body's
+/// name. `seconds`: the estimated time.
+using BakeAnnouncement = std::function<void(const std::string& estimate, double seconds)>;
 /// Returns `begins` with the name of a body prefixed to its lines; empty if `begins` is empty.
 BakeAnnouncement bakesOf(const BakeAnnouncement& begins, const std::string& name);
 /// Returns the field from the cache, or bakes and stores it. The note mentions cache faults as well. Throws

@@ -16,18 +16,6 @@
 
 namespace strandcast {
 
-/// Reads the part after MOTION: number of frames, frame time, and the frames, usually one per line with one
-/// value per channel. `clip` has its joints and channels; its report receives what is repaired or left out.
-/// - The number of lines counts, not the number that Frames states.
-/// - A line with another number of values, or with a word that is not a number, is left out.
-/// - Frames broken over several lines are read if the number of values is Frames times channels, or if each
-///   line is shorter than a frame.
-/// - A frame over several lines that contains a word that is not a number is left out.
-/// - 1/30 s replaces a missing or unusable frame time.
-///
-/// Throws Error when there is no whole frame.
-void readBvhMotion(BvhText& text, BvhClip& clip);
-
 namespace {
 
 /// A number stated before the frames, and the word that states it, which may be no number; empty if absent.
@@ -160,8 +148,16 @@ void takeBvhFrameTime(const BvhStated& stated, BvhClip& clip) {
     warnings.push_back(fmt::format("a frame lasts {:g} s: is its time in milliseconds?", clip.frame_time));
 }
 
-}  // namespace
-
+/// Reads the part after MOTION: number of frames, frame time, and the frames, usually one per line with one
+/// value per channel. `clip` has its joints and channels; its report receives what is repaired or left out.
+/// - The number of lines counts, not the number that Frames states.
+/// - A line with another number of values, or with a word that is not a number, is left out.
+/// - Frames broken over several lines are read if the number of values is Frames times channels, or if each
+///   line is shorter than a frame.
+/// - A frame over several lines that contains a word that is not a number is left out.
+/// - 1/30 s replaces a missing or unusable frame time.
+///
+/// Throws Error when there is no whole frame.
 void readBvhMotion(BvhText& text, BvhClip& clip) {
   if (clip.channels == 0) text.fail("the clip has no channels");
   const BvhMotionHead head = readBvhMotionHead(text);
@@ -204,8 +200,6 @@ void readBvhMotion(BvhText& text, BvhClip& clip) {
                                    clip.frames == 1 ? "it is" : "these are"));
   if (text.hasDecimalCommas()) warnings.emplace_back("commas in numbers are read as decimal points");
 }
-
-namespace {
 
 constexpr size_t kMaxJoints = 4096;
 constexpr int kMaxDepth = 256;

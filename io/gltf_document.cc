@@ -268,8 +268,6 @@ std::optional<std::vector<float>> GltfDocument::numbers(const json& object, cons
 
 namespace {
 
-using nlohmann::json;
-
 enum ComponentType : uint64_t {
   kByte = 5120,
   kUnsignedByte = 5121,
@@ -507,8 +505,6 @@ std::vector<float> GltfDocument::floats(uint64_t accessor, const char* type, boo
 }
 
 namespace {
-
-using nlohmann::json;
 
 constexpr std::array<const char*, 2> kMeshopt{"EXT_meshopt_compression", "KHR_meshopt_compression"};
 constexpr const char* kDraco = "KHR_draco_mesh_compression";

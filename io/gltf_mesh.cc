@@ -266,8 +266,6 @@ void GltfPrimitives::spend(uint64_t& spent, uint64_t elements, uint64_t limit, c
 
 namespace {
 
-using nlohmann::json;
-
 TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfNode>& nodes,
                            GltfReport& report) {
   GltfPrimitives primitives(document, report);

@@ -18,6 +18,9 @@
 #include "io/skinned_mesh.h"
 
 namespace strandcast {
+namespace {
+
+using nlohmann::json;
 
 /// Nodes that the animations of a document may move.
 struct GltfMovable {
@@ -27,16 +30,6 @@ struct GltfMovable {
 
 /// Morph targets that clips play: (node, number of the target) -> index into SkinnedMesh::targets.
 using GltfPlayed = std::map<std::pair<uint64_t, size_t>, uint32_t>;
-
-/// Reads the animations into SkinnedMesh::clips. Morph targets whose weight ever differs from that at rest
-/// are added to SkinnedMesh::targets, still without vertices. An animation that cannot be read is left out
-/// and reported; so is a single channel of weights that cannot be read.
-GltfPlayed readGltfClips(const GltfDocument& document, const GltfMovable& movable, GltfReport& report,
-                         SkinnedMesh& into);
-
-namespace {
-
-using nlohmann::json;
 
 constexpr float kLargest = 1e9f;  ///< bound of a clip's numbers, so that results stay finite
 
@@ -313,16 +306,13 @@ class ClipReader {
   bool is_reported_ = false;  ///< part of the current animation was reported as left out
 };
 
-}  // namespace
-
+/// Reads the animations into SkinnedMesh::clips. Morph targets whose weight ever differs from that at rest
+/// are added to SkinnedMesh::targets, still without vertices. An animation that cannot be read is left out
+/// and reported; so is a single channel of weights that cannot be read.
 GltfPlayed readGltfClips(const GltfDocument& document, const GltfMovable& movable, GltfReport& report,
                          SkinnedMesh& into) {
   return ClipReader(document, movable, report, into).read();
 }
-
-namespace {
-
-using nlohmann::json;
 
 /// Splits a matrix into translation, rotation and scale, as the specification demands of a node's matrix.
 JointTransform decomposed(const Placement& matrix, const GltfDocument& document, const std::string& part) {

@@ -312,7 +312,7 @@ TEST_F(CastingPrograms, StepsWaitForThoseThatOthersAskedFor) {
 TEST_F(CastingPrograms, AnInterruptWhileADaemonListensForOthersEndsItAtOnce) {
   if (!STRANDCAST_DDS) GTEST_SKIP() << "built without DDS";
   const std::filesystem::path take = write("take.rec", "an old take");
-  // Listening for rivals takes longest with a discovery server.
+  // Listening for conflicting daemons takes longest with a discovery server.
   const std::string line = "exec " + daemon_ +
                            " --scene straight --strands 20 --body-contact spheres --backend reference" +
                            " --domain " + domain_ + " --discovery-server 127.0.0.1:1 --claim 1 --record " +

@@ -19,7 +19,7 @@
 namespace strandcast {
 namespace {
 
-// Other refusals: tests/groom/folder_files_test.cc.
+// Other refusals: tests/io/folder_files_test.cc.
 TEST(FilesWithin, AreThoseOfTheFolderAlone) {
   const ScratchFolder scratch;
   std::filesystem::create_directories(scratch / "open");

@@ -244,7 +244,7 @@ TEST_F(DaemonTest, TheObserverSeesEveryFrame) {
   EXPECT_EQ(seen, 3);
 }
 
-/// A channel that reports the rival `heard`.
+/// A channel that reports the conflicting daemon `heard`.
 class RivalChannel final : public Publisher {
  public:
   std::optional<ConflictingDaemon> heard;
@@ -258,7 +258,8 @@ class RivalChannel final : public Publisher {
   EncodingReport encoding() const override { return {}; }
 };
 
-/// The result of ConflictDetector::check() of session 0x80 for the rival `heard`, after `frames` frames.
+/// The result of ConflictDetector::check() of session 0x80 for the conflicting daemon `heard`, after `frames`
+/// frames.
 struct CheckResult {
   std::string said, ends;
 };

@@ -116,10 +116,10 @@ TEST(FieldCache, ABakeIsAnnouncedBeforeItBeginsAndNotWhereTheCacheHasTheField) {
   const auto progress = [&](const std::string& what, double) {
     return bakes = bakes || what.find(" s, ") != std::string::npos, true;
   };
-  const BakeAnnouncement begins = [&](const std::string& outlook, double seconds) {
+  const BakeAnnouncement begins = [&](const std::string& estimate, double seconds) {
     EXPECT_GT(seconds, 0);
     EXPECT_FALSE(bakes);
-    said.push_back(outlook);
+    said.push_back(estimate);
   };
   for (int i = 0; i < 2; ++i)
     fieldOf(shapes::sphere(0.05f, 2), options, cache, progress, bakesOf(begins, "ball.obj"));
@@ -151,9 +151,9 @@ TEST(FieldCache, SeveralBakesAreAnnouncedOnceWithWhatAllTake) {
           EXPECT_LE(last = part, 1);
           return true;
         },
-        [&](const std::string& outlook, double seconds) {
+        [&](const std::string& estimate, double seconds) {
           EXPECT_GT(seconds, 0);
-          said.push_back(outlook);
+          said.push_back(estimate);
         });
   };
   const std::vector<SceneField> fields = bake();

@@ -113,7 +113,7 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   EXPECT_TRUE(becomesTrue([&] { return subscriber->statistics().chunks_rejected == rejected + 1; }));
   EXPECT_EQ(subscriber->status()->backend, "simd") << "what does not fit is dropped";
   EXPECT_EQ(subscriber->status()->session, 11u);
-  EXPECT_FALSE(publisher->conflict()) << "its own status is no rival's";
+  EXPECT_FALSE(publisher->conflict()) << "its own status is no conflict";
 }
 
 TEST_F(Dds, FramesThatBuildOnEachOtherReachEarlyAndLateReaders) {
