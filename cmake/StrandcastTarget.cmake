@@ -56,12 +56,13 @@ endfunction()
 
 # strandcast_library(NAME SOURCES ... LINK ... [PRIVATE_LINK ...] [WITH_PROGRAM_OPTIONS] [LARGE_UNITY_BATCHES]): one library per folder, with includes
 # relative to the project's root. WITH_PROGRAM_OPTIONS: compiled with the options of programs. LARGE_UNITY_BATCHES: see strandcast_large_unity_batches().
+# BUILD_INTERFACE keeps the root and the options out of the installed package (ClientPackage.cmake).
 function(strandcast_library name)
   cmake_parse_arguments(ARG "WITH_PROGRAM_OPTIONS;LARGE_UNITY_BATCHES" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(strandcast_${name} STATIC ${ARG_SOURCES})
-  target_include_directories(strandcast_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_include_directories(strandcast_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_compile_features(strandcast_${name} PUBLIC cxx_std_20)
-  target_link_libraries(strandcast_${name} PUBLIC ${ARG_LINK} PRIVATE strandcast_options ${ARG_PRIVATE_LINK})
+  target_link_libraries(strandcast_${name} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:strandcast_options> ${ARG_PRIVATE_LINK})
   if(ARG_LARGE_UNITY_BATCHES)
     strandcast_large_unity_batches(strandcast_${name})
   endif()

@@ -1,3 +1,4 @@
+// Public API
 // Shapes that hair collides with, and their data in the format of all backends.
 #pragma once
 #include <array>

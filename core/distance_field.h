@@ -1,3 +1,4 @@
+// Public API
 // Signed distance fields of bodies, and bends of such fields. kernels/distance_field.h has the formulas.
 #pragma once
 #include <array>

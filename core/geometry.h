@@ -1,3 +1,4 @@
+// Public API
 // Vectors, rotations, poses and triangle meshes.
 #pragma once
 #include <Eigen/Geometry>

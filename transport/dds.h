@@ -1,3 +1,4 @@
+// Public API
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -7,10 +8,11 @@
 #include <vector>
 
 #include "transport/codec/codec.h"
-#include "transport/publisher.h"
 #include "transport/subscriber.h"
 
 namespace strandcast {
+
+class Publisher;  // transport/publisher.h: the daemon's end, which is not public
 
 /// How a reader or a daemon is carried. All but kSecure are compatible with each other.
 enum class DdsProfile {

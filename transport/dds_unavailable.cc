@@ -1,5 +1,6 @@
 #include "core/error.h"
 #include "transport/dds.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 namespace {

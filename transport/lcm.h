@@ -1,13 +1,15 @@
+// Public API
 #pragma once
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "transport/codec/codec.h"
-#include "transport/publisher.h"
 #include "transport/subscriber.h"
 
 namespace strandcast {
+
+class Publisher;  // transport/publisher.h: the daemon's end, which is not public
 
 /// Options of both ends; makeLcmPublisher() and makeLcmSubscriber() check them.
 struct LcmOptions {

@@ -1,5 +1,6 @@
 #include "core/error.h"
 #include "transport/lcm.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 namespace {

@@ -177,6 +177,55 @@ TEST(Dependencies, NoTwoHeadersDefineAClassOfOneName) {
             std::vector<std::string>{"a::b::D"});
 }
 
+// Paths that cmake/ClientPackage.cmake lists, which installs them.
+Folders publicHeaders() {
+  Folders found;
+  std::string path;
+  for (std::istringstream list(STRANDCAST_PUBLIC_HEADERS); std::getline(list, path, ',');) found.insert(path);
+  return found;
+}
+
+// Includes of a text that a client cannot make: headers of the project that are not public, and headers of
+// libraries but the standard one and Eigen.
+std::vector<std::string> privateIncludes(const std::string& text, const Folders& headers) {
+  std::vector<std::string> found;
+  std::string line;
+  for (std::istringstream stream(text); std::getline(stream, line);) {
+    const std::string include = included(line);
+    if (include.empty()) continue;
+    const std::string header = include.substr(1);
+    const bool is_library = header.find_first_of("./") == std::string::npos || folderOf(header) == "Eigen";
+    if (include[0] == '"' ? headers.count(header) == 0 : !is_library) found.push_back(header);
+  }
+  return found;
+}
+
+TEST(PublicApi, IsWhatIsMarkedAndIncludesNothingElse) {
+  const fs::path root = STRANDCAST_SOURCE_DIR;
+  const Folders headers = publicHeaders();
+  Folders marked;
+  for (const auto& [folder, allowed] : kAllowed)
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (!entry.is_regular_file() || !isSource(entry.path())) continue;
+      const std::string path = entry.path().lexically_relative(root).generic_string();
+      std::ifstream file(entry.path());
+      const std::string text(std::istreambuf_iterator<char>(file), {});
+      const bool is_marked = text.rfind("// Public API\n", 0) == 0;
+      if (is_marked) marked.insert(path);
+      if (!is_marked && folder != "examples") continue;
+      for (const std::string& header : privateIncludes(text, headers))
+        ADD_FAILURE() << path << " includes " << header << ", which is not public";
+    }
+  EXPECT_EQ(marked, headers) << "the line // Public API, and the list in cmake/ClientPackage.cmake";
+
+  EXPECT_EQ(
+      privateIncludes("#include <vector>\n#include <Eigen/Core>\n#include \"a/b.h\"\n", {"a/b.h"}).size(),
+      0u);
+  EXPECT_EQ(
+      privateIncludes("#include <zstd.h>\n#include <fmt/format.h>\n#include \"a/c.h\"\n", {"a/b.h"}).size(),
+      3u);
+}
+
 // Words that no source may contain, and why: features that devices and libraries implement differently
 // (docs/devices-and-libraries.md). A word matches by its beginning.
 const std::vector<std::pair<std::string, std::string>> kDifferent = {

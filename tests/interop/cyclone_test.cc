@@ -16,6 +16,7 @@
 #include "transport/chunks.h"
 #include "transport/dds.h"
 #include "transport/parameter_table.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 namespace {

@@ -10,6 +10,7 @@
 #include "peer.h"
 #include "transport/dds.h"
 #include "transport/lcm.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 namespace {

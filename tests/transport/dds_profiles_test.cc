@@ -18,6 +18,7 @@
 #include "sample_messages.h"
 #include "tests/error_of.h"
 #include "transport/dds.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 namespace {

@@ -16,6 +16,7 @@
 #include "tests/error_of.h"
 #include "transport/dds.h"
 #include "transport/parameter_table.h"
+#include "transport/publisher.h"
 #include "true_within.h"
 
 namespace strandcast {

@@ -23,6 +23,7 @@
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/parameter_table.h"
+#include "transport/publisher.h"
 #include "true_within.h"
 
 namespace strandcast {

@@ -16,6 +16,7 @@
 #include "tests/error_of.h"
 #include "tests/io/scratch_folder.h"
 #include "transport/dds.h"
+#include "transport/publisher.h"
 #include "transport/security/key_folder.h"
 #include "transport/security/test_authority.h"
 

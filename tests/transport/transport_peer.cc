@@ -37,6 +37,7 @@
 #include "tests/sanitized.h"
 #include "transport/dds.h"
 #include "transport/lcm.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 namespace {

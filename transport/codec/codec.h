@@ -1,3 +1,4 @@
+// Public API
 #pragma once
 #include <cstdint>
 #include <span>

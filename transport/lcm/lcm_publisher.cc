@@ -14,6 +14,7 @@
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 namespace {
