@@ -8,10 +8,8 @@
 
 #include "apps/scene_simulation.h"
 #include "gl/context.h"
-#include "render/hair_readback.h"
-#include "render/hair_reference.h"
-#include "render/light_probe.h"
 #include "render/renderer.h"
+#include "render/shader_validation.h"
 #include "scenes/scene.h"
 
 namespace strandcast {

@@ -7,7 +7,7 @@
 #include "gl/buffer.h"
 #include "gl/current.h"
 #include "gl/program.h"
-#include "gpu_compute/pass_timer.h"
+#include "gl/timers.h"
 
 namespace strandcast {
 namespace {
@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kClocksRise(400);  // time for an idle GPU t
 /// The minimum time of `work`, a sequence of dispatches, s.
 template <class Work>
 double minSeconds(int attempts, const Work& work) {
-  gpu::PassTimer timer;
+  gl::PassTimer timer;
   timer.measure(false, static_cast<size_t>(attempts));
   for (int attempt = 0; attempt < attempts; ++attempt) {
     timer.begin();

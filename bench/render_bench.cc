@@ -10,9 +10,8 @@
 #include "bench/bench_scene.h"
 #include "gl/context.h"
 #include "render/framebuffer.h"
-#include "render/hair_readback.h"
-#include "render/hair_reference.h"
 #include "render/renderer.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

@@ -475,13 +475,13 @@ class NearBodies {
   }
   // Collects the motions of the placed bodies; bodies with nearly equal motions share one.
   void groupMotions() {
-    constexpr Scalar kAlike = static_cast<Scalar>(1e-4);  // m
+    constexpr Scalar kMotionTolerance = static_cast<Scalar>(1e-4);  // m
     motions_ = 0;
     for (size_t k = 0; k < placedBodies(); ++k) {
       const Motion own = motionOf(placed_[k], static_cast<Scalar>(input_->parameters->substeps));
       Motion* known = nullptr;
       for (size_t m = 0; m < motions_ && known == nullptr; ++m)
-        if (difference(motion_[m], own) < kAlike) known = &motion_[m];
+        if (difference(motion_[m], own) < kMotionTolerance) known = &motion_[m];
       if (known != nullptr)
         known->slack = std::max(known->slack, own.slack + difference(*known, own));
       else

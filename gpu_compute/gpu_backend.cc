@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "core/error.h"
-#include "gpu_compute/driver_faults.h"
-#include "gpu_compute/gpu_device.h"
+#include "gpu_compute/driver.h"
+#include "gpu_compute/gpu_strands.h"
 
 namespace strandcast {
 namespace {

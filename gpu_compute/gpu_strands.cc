@@ -8,7 +8,7 @@
 #include "core/backend.h"
 #include "core/broad_phase.h"
 #include "core/error.h"
-#include "gl/errors.h"
+#include "gl/buffer.h"
 #include "gpu_compute/shaders.h"
 #include "kernels/scalar_float.h"
 
@@ -37,7 +37,7 @@ std::vector<Vec4> packRestLocal(const StrandModel& model) {
   return packed;
 }
 
-/// In the layout of shaders/strand_offsets.glsl.
+/// In the layout of Offsets in shaders/step_input.glsl.
 std::vector<uint32_t> packOffsets(const StrandModel& model) {
   std::vector<uint32_t> packed = model.offsets;
   const StrandOrder order = strandOrder(model);
@@ -46,7 +46,7 @@ std::vector<uint32_t> packOffsets(const StrandModel& model) {
   return packed;
 }
 
-/// Entry of shaders/grooming.glsl with all factors 1 and no tether.
+/// Entry of Grooming in shaders/step_input.glsl with all factors 1 and no tether.
 const Vec4 kNotGroomed = {1, 1, kNoTether, 0};
 
 std::vector<Vec4> packGrooming(const StrandModel& model) {

@@ -3,11 +3,12 @@
 #include <optional>
 #include <vector>
 
+#include "gl/current.h"
+#include "gl/timers.h"
 #include "gpu_compute/gauss_seidel_strands.h"
 #include "gpu_compute/mapped_rings.h"
-#include "gpu_compute/previous_bodies.h"
 #include "gpu_compute/rod_strands.h"
-#include "gpu_compute/step_timer.h"
+#include "gpu_compute/step_input.h"
 
 namespace strandcast::gpu {
 
@@ -47,7 +48,7 @@ class GpuStrands {
   const gl::Buffer& accelerations();
   std::vector<Vec3> downloadAccelerations() const;
 
-  /// GPU time of the dispatches of a recent step, s; see StepTimer::newest().
+  /// GPU time of the dispatches of a recent step, s; see gl::StepTimer::newest().
   std::optional<double> gpuSeconds() const { return timer_.newest(); }
 
  private:
@@ -70,7 +71,7 @@ class GpuStrands {
   gl::Buffer positions_;   ///< xyz, m; w: tension of the edge that ends at the vertex, m/s^2
   gl::Buffer velocities_;  ///< xyz, m/s; w: StrandModel::rest_distance, m
   gl::Buffer frames_;      ///< material frame of the edge that starts at the vertex, x y z w
-  gl::Buffer offsets_;     ///< see shaders/strand_offsets.glsl
+  gl::Buffer offsets_;     ///< see shaders/step_input.glsl
   gl::Buffer guides_;      ///< see shaders/step_input.glsl
   gl::Buffer shapes_;      ///< ShapeData::words of the newest step
   uint64_t shapes_revision_ = 0;
@@ -80,17 +81,28 @@ class GpuStrands {
   gl::Buffer contacts_;    ///< StrandState::contacts; with bodies see shaders/contact_cache.glsl
   bool pressed_ = false;   ///< some contact forces may differ from 0
   gl::Buffer rest_local_;  ///< see bonePoint() in shaders/step_input.glsl
-  gl::Buffer grooming_;    ///< see shaders/grooming.glsl
+  gl::Buffer grooming_;    ///< see shaders/step_input.glsl
   std::optional<GaussSeidelStrands> gauss_seidel_;
   std::optional<RodStrands> rod_;
   std::array<bool, 8> expected_{};  ///< prepared, by solver, goal and bodies
   PreviousBodies previous_bodies_;
   std::optional<UploadRing> uploads_;  ///< never empty
   Readback readback_;
-  StepTimer timer_;
+  gl::StepTimer timer_;
   std::vector<std::array<float, 4>> velocities_packed_;
   std::vector<Vec3> velocities_read_;
   std::vector<Vec3> uploaded_;  ///< result of guides() until the first step; empty afterwards
+};
+
+/// Interface of the gpu backend to systems that work in its GPU memory between steps, such as the air system.
+class GpuDevice {
+ public:
+  virtual ~GpuDevice() = default;
+  /// The context that owns all GPU objects of the backend; must be current for calls to them.
+  virtual gl::HeadlessContext& context() = 0;
+  virtual ProgramCache& programs() = 0;
+  /// Precondition: Backend::load() was called.
+  virtual GpuStrands& strands() = 0;
 };
 
 }  // namespace strandcast::gpu

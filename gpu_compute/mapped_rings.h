@@ -3,8 +3,7 @@
 #include <vector>
 
 #include "gl/buffer.h"
-#include "gpu_compute/gpu_layout.h"
-#include "gpu_compute/placed_bodies.h"
+#include "gpu_compute/step_input.h"
 
 namespace strandcast::gpu {
 

@@ -17,7 +17,7 @@ constexpr int kBundleZ = 4;       // lines per workgroup of shaders/pressure_cor
 constexpr int kBundleOf96 = 8;    // along y, up to 96 cells per axis: OWN_Y
 constexpr int kBundleBeyond = 4;  // along y, beyond
 
-size_t cubed(int n) { return static_cast<size_t>(n) * static_cast<size_t>(n) * static_cast<size_t>(n); }
+size_t cellCount(int n) { return static_cast<size_t>(n) * static_cast<size_t>(n) * static_cast<size_t>(n); }
 int bundleY(int cells) { return cells <= 96 ? kBundleOf96 : kBundleBeyond; }
 GLuint bundles(int cells, int own) { return static_cast<GLuint>(cells / own); }
 
@@ -57,11 +57,11 @@ struct Modes {
 PressurePasses::PressurePasses(int cells, Wind::Border border, ProgramCache& programs)
     : cells_(cells),
       state_(zeros<State>(1)),
-      masks_(zeros<uint32_t>(cubed(cells))),
+      masks_(zeros<uint32_t>(cellCount(cells))),
       products_(zeros<std::array<float, 2>>(bundles(cells, bundleY(cells)) * bundles(cells, kBundleZ))) {
   for (gl::Buffer* buffer :
        {&rights_, &residuals_, &steps_, &images_, &corrections_, &correction_images_, &modes_, &planes_})
-    *buffer = zeros<float>(cubed(cells));
+    *buffer = zeros<float>(cellCount(cells));
   const Modes modes(cells, border);
   matrices_ = gl::Buffer(std::span<const float>(modes.matrices));
   eigenvalues_ = gl::Buffer(std::span<const float>(modes.eigenvalues));
@@ -79,7 +79,7 @@ void PressurePasses::begin() {
 
 void PressurePasses::step(const gl::Program& program) const {
   program.use();
-  glDispatchCompute(groupsOf(cubed(cells_) / static_cast<size_t>(cells_), kLines), 1, 1);
+  glDispatchCompute(groupsOf(cellCount(cells_) / static_cast<size_t>(cells_), kLines), 1, 1);
   finishPass();
 }
 

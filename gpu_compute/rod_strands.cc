@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/strand_block.h"
+#include "gpu_compute/driver.h"
 #include "gpu_compute/shaders.h"
-#include "gpu_compute/subgroups.h"
 #include "kernels/scalar_float.h"
 
 namespace strandcast::gpu {

@@ -5,9 +5,8 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "gpu_compute/gpu_layout.h"
-#include "gpu_compute/placed_bodies.h"
 #include "gpu_compute/shaders.h"
+#include "gpu_compute/step_input.h"
 
 namespace strandcast::gpu {
 namespace {
@@ -341,7 +340,7 @@ WindPasses::Reports::Reports() {
   }
 }
 
-void WindPasses::projectAhead(PassTimer& timer) {
+void WindPasses::projectAhead(gl::PassTimer& timer) {
   Reports& r = reports_;
   const auto slot = static_cast<size_t>(r.step % kSlots);
   int iterations = kFirst;

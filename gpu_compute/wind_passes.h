@@ -6,11 +6,11 @@
 
 #include "air/wind.h"
 #include "air/wind_source.h"
+#include "gl/timers.h"
 #include "gpu_compute/air_layout.h"
 #include "gpu_compute/mapped_rings.h"
-#include "gpu_compute/pass_timer.h"
-#include "gpu_compute/placed_bodies.h"
 #include "gpu_compute/pressure_passes.h"
+#include "gpu_compute/step_input.h"
 
 namespace strandcast::gpu {
 
@@ -73,7 +73,7 @@ class WindPasses {
   PressureReport project();
   /// Projection with a fixed number of iterations, one more than the step before last took. Waits at most for
   /// that step.
-  void projectAhead(PassTimer& timer);
+  void projectAhead(gl::PassTimer& timer);
 
   /// Report of the newest projection; its residual is relative to the largest velocity component. Waits for
   /// the GPU.

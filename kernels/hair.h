@@ -84,7 +84,7 @@ FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(re
   return at;
 }
 
-// Offset by a curl that is sampled from a strand (render/curl_example.h). p0, p1: two samples (only x and y) with
+// Offset by a curl that is sampled from a strand (render/hair_growth.h). p0, p1: two samples (only x and y) with
 // slopes m0, m1, at distance `h` in u; `s`: fraction of the interval; `scale`: m; `turns`: rotation about the guide.
 FN AcrossGuide exampleAcross(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s, IN(real) turns,
                              IN(real) scale) {

@@ -5,7 +5,7 @@
 
 #include "gl/program.h"
 #include "render/hair_bodies.h"
-#include "render/light.h"
+#include "render/render_settings.h"
 #include "render/scene_block.h"
 #include "transport/messages.h"
 

@@ -1,17 +1,50 @@
+// Grows the hairs of a picture, draws them, and draws diagnostic marks.
 #pragma once
 #include <string>
 #include <vector>
 
+#include "gl/buffer.h"
 #include "gl/program.h"
 #include "render/guide_nodes.h"
 #include "render/hair_bodies.h"
-#include "render/hair_detail.h"
 #include "render/hair_growth.h"
-#include "render/hair_vertices.h"
+#include "render/hair_selection.h"
 #include "render/render_settings.h"
 #include "render/scene_block.h"
 
 namespace strandcast {
+
+/// Hairs grown by a compute shader, once per picture for all passes. A vertex is two vec4: position (w:
+/// fraction of the hair's length up to it) and unit tangent (w: 1 where all its guides are usable). Vertices
+/// of a hair are contiguous from the root on; hairs are in their given order.
+class HairVertices {
+ public:
+  /// A buffer holds as many hairs as the device allows; there are as many buffers as needed.
+  struct Chunk {
+    size_t first, hairs;
+    gl::Buffer vertices;
+  };
+
+  HairVertices();
+
+  /// Grows the first `count` of the bound hairs with a vertex at every `node_stride`-th node, and keeps them
+  /// out of bodies where `bodies` is set. Precondition: the guides' nodes, the hairs and GrowthBlock are
+  /// bound.
+  void grow(size_t count, int segments, int node_stride, bool bodies);
+
+  const std::vector<Chunk>& chunks() const { return chunks_; }
+  size_t hairs() const { return hairs_; }  ///< number grown last
+  int nodesPerHair() const { return nodes_per_hair_; }
+  size_t bytes() const;  ///< device memory
+
+ private:
+  void makeRoom(size_t count, int max_nodes);
+
+  gl::Program free_, among_bodies_;
+  std::vector<Chunk> chunks_;
+  size_t room_ = 0, hairs_ = 0;
+  int max_nodes_ = 0, nodes_per_hair_ = 0;
+};
 
 /// Grows hairs from guide nodes and draws them. With kCompute they are grown once per picture, and every pass
 /// reads them. With kTessellator every pass grows them again by isoline tessellation, 64 hairs of up to 64
@@ -89,5 +122,21 @@ class HairPass {
 std::vector<gl::ShaderStage> grownStages(const std::string& defines, const char* fragment);
 /// The stages that grow hair on the tessellator; `defines` are listed in hair.tese. `fragment` may be null.
 std::vector<gl::ShaderStage> tessellatedStages(const char* defines, const char* fragment);
+
+/// Draws marks over a picture, with depth test.
+class Marks {
+ public:
+  Marks();
+  ~Marks();
+  Marks(const Marks&) = delete;
+  Marks& operator=(const Marks&) = delete;
+
+  /// `reach`: distance that counts as touching, m. Precondition: the hair was grown for this picture.
+  void draw(const MarkSettings& marks, const GuideNodes& nodes, HairPass& hair, float reach) const;
+
+ private:
+  gl::Program guides_, tangents_, collided_, inside_;
+  GLuint empty_vertices_ = 0;
+};
 
 }  // namespace strandcast

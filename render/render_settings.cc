@@ -4,6 +4,46 @@
 #include <cmath>
 
 namespace strandcast {
+
+std::array<float, kMaxOpacityLayers + 1> layerEnds(const OpacityLayers& layers, float depth) {
+  std::array<double, kMaxOpacityLayers + 1> ends{};
+  double size = 1, next = 1, sum = 0;
+  for (int k = 0; k < layers.layers; ++k) {
+    ends[k] = sum += size;
+    switch (layers.sizes) {
+      case LayerSizes::kConstant:
+        break;
+      case LayerSizes::kLinear:
+        size += 1;
+        break;
+      case LayerSizes::kPowerOfTwo:
+        size *= 2;
+        break;
+      case LayerSizes::kFibonacci: {
+        const double after = size + next;
+        size = next;
+        next = after;
+        break;
+      }
+    }
+  }
+  std::array<float, kMaxOpacityLayers + 1> metres{};
+  for (int k = 0; k <= kMaxOpacityLayers; ++k)
+    metres[k] = k < layers.layers ? static_cast<float>(depth * ends[k] / sum) : metres[k - 1] + 1;
+  return metres;
+}
+
+std::string lightDefines(const LightCounts& counts) {
+  return "#define LIGHTS " + std::to_string(counts.lights) + "\n#define CASTERS " +
+         std::to_string(counts.casters) + "\n";
+}
+
+ConeCosines coneCosines(const Light& light) {
+  if (light.kind != LightKind::kSpot) return {-2, -3};
+  const float outer = std::cos(light.cone), inner = std::cos(light.cone * (1 - light.cone_edge));
+  return {std::max(inner, outer + 1e-6f), outer};  // a cone without a soft edge is sharp
+}
+
 namespace {
 
 float inRange(float value, float low, float high, float fallback) {

@@ -1,15 +1,91 @@
+// Settings of a picture: lights, deep opacity maps, diagnostic marks, level of detail, passes.
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/geometry.h"
-#include "render/deep_opacity.h"
+#include "render/framebuffer.h"
 #include "render/hair_growth.h"
-#include "render/light.h"
-#include "render/mark_settings.h"
-#include "render/supersampling.h"
 
 namespace strandcast {
+
+/// Ratios of the thicknesses of a deep opacity map's layers: 1 1 1 1, 1 2 3 4, 1 2 4 8 or 1 1 2 3 5 8.
+enum class LayerSizes { kConstant, kLinear, kPowerOfTwo, kFibonacci };
+/// Treatment of hair behind the last layer (Yuksel and Keyser 2008, section 3.1). kIgnore: it casts no
+/// shadow. kLastLayer: it counts in the last layer and so shades itself. kReach: the layers extend past it.
+enum class BeyondLayers { kIgnore, kLastLayer, kReach };
+
+/// Deep opacity maps: layers that follow the front of the hair as seen from the light. Each stores the
+/// optical depth of all hair from the front to the layer's end.
+struct OpacityLayers {
+  int layers = 7;  ///< 3, 7, 11 or 15
+  LayerSizes sizes = LayerSizes::kFibonacci;
+  BeyondLayers beyond = BeyondLayers::kLastLayer;
+  float depth = 0.12f;  ///< m, of all layers together; unused for kReach
+  int map_size = 512;   ///< texels per side, 16 to 8192
+  int filter = 0;       ///< radius in texels of a box filter on top of bilinear filtering, 0 to 4
+
+  bool operator==(const OpacityLayers&) const = default;
+};
+
+constexpr int kMaxOpacityLayers = 15;
+
+/// The end of each layer, metres behind the front: `layers.layers` increasing numbers, the last one `depth`.
+/// Unused entries continue in steps of 1 m.
+std::array<float, kMaxOpacityLayers + 1> layerEnds(const OpacityLayers& layers, float depth);
+
+enum class LightKind { kDirectional, kPoint, kSpot };
+
+inline constexpr size_t kMaxLights = 4;  ///< per picture
+
+/// A light of a picture. A directional light has the irradiance `intensity` perpendicular to its direction,
+/// everywhere. A point or spot light of radiant intensity `intensity` has the irradiance `intensity` / d^2 at
+/// d metres (inverse-square law). The unit is the sun that the renderer is exposed for: 1 is that sun, or a
+/// lamp that is as bright at 1 m.
+struct Light {
+  LightKind kind = LightKind::kDirectional;
+  Vec3 direction{-0.45f, -0.75f, -0.5f};  ///< direction in which the light travels, any length; of a spot its
+                                          ///< axis
+  Vec3 position{0.45f, 0.6f, 0.6f};       ///< m, world; of a point or spot light
+  Vec3 color{1, 1, 1};                    ///< linear, 0 to 1: factors of the sun's red, green and blue
+  float intensity = 1;                    ///< 0 to 10,000
+  float cone = 0.45f;      ///< rad, 0.01 to 1.5: half angle of a spot, from its axis to the edge
+  float cone_edge = 0.2f;  ///< 0 to 1: outer fraction of the cone over which it fades
+  bool casts_shadow = true;
+
+  bool operator==(const Light&) const = default;
+};
+
+/// Numbers of lights for which shaders are compiled.
+struct LightCounts {
+  size_t lights = 0, casters = 0;  ///< lights that cast shadows come first
+  bool operator==(const LightCounts&) const = default;
+};
+/// The preprocessor defines for shaders: "#define LIGHTS 2\n...".
+std::string lightDefines(const LightCounts& counts);
+
+/// Cosines of the angles from the axis between which a spot light fades by 3 t^2 - 2 t^3; the outer cosine is
+/// smaller. Both are below -1 for other kinds, which never fade.
+struct ConeCosines {
+  float inner, outer;
+};
+/// The cosines of a light with valid parameters.
+ConeCosines coneCosines(const Light& light);
+
+/// Diagnostic marks over a picture.
+struct MarkSettings {
+  bool guides = false;    ///< the guides' curves, one colour each
+  bool tangents = false;  ///< of guides, 1 cm long; red, green and blue are the x, y and z components
+  bool collided = false;  ///< vertices of guides that touch an obstacle: yellow, red inside
+  bool inside = false;    ///< vertices of grown hair inside an obstacle (kCompute only)
+
+  bool any() const { return guides || tangents || collided || inside; }
+  bool needBodies() const { return collided || inside; }
+  bool operator==(const MarkSettings&) const = default;
+};
 
 /// kCompute: hair is grown once per picture by a compute shader. kTessellator: every pass grows it.
 enum class GrowthPath { kCompute, kTessellator };
@@ -23,7 +99,7 @@ enum class HairShading { kVertex, kFragment };
 /// different ones for each hair (stochastic transparency). kAlphaToCoverage: the device chooses the samples.
 enum class HairCoverage { kStochastic, kAlphaToCoverage };
 
-/// Fewer, wider hairs with fewer segments where they are small in the picture (render/hair_detail.h).
+/// Fewer, wider hairs with fewer segments where they are small in the picture (render/hair_selection.h).
 struct LevelOfDetail {
   float part = 0;         ///< fraction of the hairs to draw, above 0 to 1; 0 = by their size in the picture
   float finest_hair = 0;  ///< pixels: hairs are left out until the rest is this wide; 0 = one sample

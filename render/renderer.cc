@@ -9,15 +9,13 @@
 #include <utility>
 
 #include "core/error.h"
+#include "gl/timers.h"
 #include "render/body_pass.h"
+#include "render/camera.h"
 #include "render/framebuffer.h"
-#include "render/hair_groups.h"
 #include "render/hair_pass.h"
-#include "render/marks.h"
-#include "render/pass_clock.h"
-#include "render/plausible_bounds.h"
+#include "render/hair_selection.h"
 #include "render/shadow_maps.h"
-#include "render/view_volume.h"
 
 namespace strandcast {
 namespace {
@@ -480,7 +478,7 @@ struct Renderer::Impl {
   std::vector<HairObstacle> obstacles;
   BodyPass body;
   Marks marks;
-  PassClock clock;
+  gl::PassClock clock;
   gl::Buffer scene_buffer;
   float widest_line = 1;
   StrandSet rest_guides;

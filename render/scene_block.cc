@@ -12,7 +12,7 @@ namespace {
 constexpr float kFarOverNear = 20000;                   // limit, for a depth buffer of 24 bits
 constexpr float kNearestFar = 1e-4f, kFarthest = 1e7f;  // m
 
-float inRange(float value, float low, float high, float fallback) {
+float clampedOr(float value, float low, float high, float fallback) {
   return std::isfinite(value) ? std::clamp(value, low, high) : fallback;
 }
 
@@ -33,7 +33,7 @@ LightBlock blockOf(const Light& light) {
 
 Camera clipped(const Camera& camera) {
   Camera c = camera;
-  c.vertical_fov = inRange(c.vertical_fov, 0.01f, 3.0f, 0.6f);
+  c.vertical_fov = clampedOr(c.vertical_fov, 0.01f, 3.0f, 0.6f);
   if (!c.eye.allFinite()) c.eye = Vec3(0, 0, 1);
   if (!c.target.allFinite()) c.target = Vec3(0, 0, 0);
   if (!c.up.allFinite()) c.up = Vec3::UnitY();
@@ -52,8 +52,8 @@ DepthRange depthRange(const Camera& camera, float aspect, std::span<const Box> b
   // The nearest point may be in a corner of the picture, where the distance along the view axis is smaller.
   const float slope = std::tan(0.5f * camera.vertical_fov);
   const float corner = 1 / std::sqrt(1 + slope * slope * (1 + aspect * aspect));
-  const float far = inRange(1.05f * farthest, kNearestFar, kFarthest, kFarthest);
-  return {inRange(0.5f * corner * nearest, far / kFarOverNear, 0.5f * far, far / kFarOverNear), far};
+  const float far = clampedOr(1.05f * farthest, kNearestFar, kFarthest, kFarthest);
+  return {clampedOr(0.5f * corner * nearest, far / kFarOverNear, 0.5f * far, far / kFarOverNear), far};
 }
 
 SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& wanted, const DepthRange& range) {

@@ -4,7 +4,6 @@
 
 #include "gl/buffer.h"
 #include "render/camera.h"
-#include "render/deep_opacity.h"
 #include "render/render_settings.h"
 
 namespace strandcast {

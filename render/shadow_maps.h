@@ -7,7 +7,7 @@
 namespace strandcast {
 
 /// The shadow maps of lights: for each of them solids as a depth map and hair as opacity layers behind its
-/// front (deep opacity maps, Yuksel and Keyser 2008; render/deep_opacity.h). Use, for each light: fit, then
+/// front (deep opacity maps, Yuksel and Keyser 2008; OpacityLayers). Use, for each light: fit, then
 /// beginSolids, draw, beginHairFront, draw, beginHairOpacity, draw, end; and bindTextures for reading.
 class ShadowMaps {
  public:

@@ -1,9 +1,17 @@
+// What shortens tests: sanitizers, and runs that are not thorough.
 #pragma once
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
 namespace strandcast {
+
+/// Whether a sanitizer makes this program several times slower than users have it.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
 
 inline constexpr const char* kSkippedUnlessThorough = "left to ./dev test --thorough (STRANDCAST_THOROUGH=1)";
 

@@ -1,6 +1,6 @@
 // Contact cache: per vertex, the point of its newest contact query and the contact planes of the two nearest bodies.
 // The CPU's counterpart is core/near_bodies.inl.
-// Requires kernels/contact.h, step_input.glsl, strand_offsets.glsl and contact_plane.glsl.
+// Requires kernels/contact.h, step_input.glsl and contact_plane.glsl.
 
 // First, one entry per vertex. xyz: contact force, StrandState::contacts. |w|: the factor that velocityClamp() of
 // kernels/rod.h left on its velocity in this substep. w > 0: exact lengths have displaced the vertex by more than

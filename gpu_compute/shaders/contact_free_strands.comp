@@ -14,7 +14,6 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
-#include "gpu_compute/shaders/strand_offsets.glsl"
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };  // xyz, m
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/contact_cache.glsl"
@@ -48,7 +47,7 @@ void boundBodyMotions(uint strand, out float first, out float beyond) {
     if (bodyAt(leader, 0).leader != leader) continue;
     const bool is_first = first < 0.0;
     if (is_first) first = float(leader);
-    float own = kAlike;
+    float own = kMotionTolerance;
     for (int substep = 0; substep < int(settings.substeps); ++substep) {
       const vec2 way = motionBounds(bodyAt(leader, substep), start, reach);
       own += way.y;

@@ -1,5 +1,5 @@
 // Contact query of a vertex: the two nearest contact planes among the bodies that its strand may touch.
-// Requires bodies.glsl, root_cover.glsl, contact_cache.glsl, velocities[] and edge_rest[].
+// Requires bodies.glsl, contact_cache.glsl, velocities[] and edge_rest[].
 
 struct ContactSet {
   vec4 queried;  // the kQueryPoint row of contact_cache.glsl

@@ -20,13 +20,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
-#include "gpu_compute/shaders/strand_offsets.glsl"
-#include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/bodies.glsl"
-#include "gpu_compute/shaders/root_cover.glsl"
-#if GROOMED
-#include "gpu_compute/shaders/grooming.glsl"
-#endif
 
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };            // xyz, m; w: tension of the rod, unused here
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };          // xyz, m/s; w: distance from bodies at rest, m

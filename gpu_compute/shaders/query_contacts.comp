@@ -20,13 +20,11 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
-#include "gpu_compute/shaders/strand_offsets.glsl"
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // xyz, m
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s; w: rest distance from bodies, m
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };       // length, twist; mass, weight of the edge's end
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/contact_cache.glsl"
-#include "gpu_compute/shaders/root_cover.glsl"
 #include "gpu_compute/shaders/contact_query.glsl"
 layout(location = 0) uniform int substep;
 layout(location = 1) uniform bool query_all;  // every vertex queries: the cache is of other bodies
@@ -63,7 +61,7 @@ float relativeTravel(uint strand, vec3 x, vec3 start) {
     PlacedBody body = bodyAt(leader, substep);
     if (body.leader != leader) continue;
     float turn = length(body.turn);  // carriedBy() leaves out terms of third order in it
-    float slack = madd(turn * turn * turn * 0.2, length(start - body.a), kAlike) + body.bend_shift;
+    float slack = madd(turn * turn * turn * 0.2, length(start - body.a), kMotionTolerance) + body.bend_shift;
     most = max(most, length(x - carriedBy(start, body.a, body.a_motion, body.turn)) + slack);
   }
   return most;

@@ -15,14 +15,12 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/contact.h"
 #include "kernels/distance_field.h"
 #include "gpu_compute/shaders/step_input.glsl"
-#include "gpu_compute/shaders/strand_offsets.glsl"
 layout(std430, binding = 0) buffer Positions { vec4 positions[]; };        // xyz, m
 layout(std430, binding = 1) buffer Velocities { vec4 velocities[]; };      // xyz, m/s; w: rest distance from bodies, m
 layout(std430, binding = 5) readonly buffer Work { uint work[]; };         // see rod_work.glsl
 layout(std430, binding = 11) readonly buffer Edges { vec4 edge_rest[]; };  // length, twist; mass, weight of the edge's end
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/contact_cache.glsl"
-#include "gpu_compute/shaders/root_cover.glsl"
 #include "gpu_compute/shaders/contact_query.glsl"
 layout(location = 2) uniform uint penetrating_count;
 layout(location = 3) uniform uint penetrating_list;

@@ -40,7 +40,7 @@
 //              1: such strands query contacts again. They are few and cost more than all else, so a large group solves
 //                 them in a third dispatch.
 // STIFF: 0; 1: some strand is stiff (isStiff() of kernels/rod.h) or may be taut between pins, and may need stiff tensions.
-// SHUFFLED: 0; 1: a workgroup is one subgroup, whose invocations exchange registers (gpu_compute/subgroups.h).
+// SHUFFLED: 0; 1: a workgroup is one subgroup, whose invocations exchange registers (gpu_compute/driver.h).
 // Values that differ between invocations are chosen by select(), not by branches.
 #define WORKGROUP 32
 // The variant without the dense metric exists for large models only.
@@ -59,21 +59,17 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/stiff_tensions.h"
 #endif
 #include "gpu_compute/shaders/step_input.glsl"
-#include "gpu_compute/shaders/strand_offsets.glsl"
 #if GROOMED
 #include "kernels/strand.h"
-#include "gpu_compute/shaders/grooming.glsl"
 #endif
 #include "gpu_compute/shaders/strand_threads.glsl"
 #include "gpu_compute/shaders/rod_work.glsl"
 #include "gpu_compute/shaders/rod_strand.glsl"
-#include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/root_motion.glsl"
 #if !BODIES
 #include "gpu_compute/shaders/placed_roots.glsl"
 #endif
-#include "gpu_compute/shaders/tridiagonal.glsl"
-#include "gpu_compute/shaders/pentadiagonal.glsl"
+#include "gpu_compute/shaders/banded_systems.glsl"
 
 // State of the current substep. Entry p belongs to slot p; entries from PER_THREAD on belong to the next invocation.
 // Suffix _in: the slot before slot 0; _out: the slot after the last.

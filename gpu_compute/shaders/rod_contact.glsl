@@ -6,7 +6,6 @@
 #endif
 #include "gpu_compute/shaders/contact_cache.glsl"
 #if STALE_CACHE
-#include "gpu_compute/shaders/root_cover.glsl"
 #include "gpu_compute/shaders/contact_query.glsl"
 #endif
 

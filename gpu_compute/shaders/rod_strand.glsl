@@ -212,7 +212,7 @@ float airAccelerationBound() {
 }
 
 #if PINNED
-float maxTautness();  // shaders/rod_pinned.glsl
+float maxTautness();  // shaders/rod_finish.glsl
 #else
 float maxTautness() { return 1.0; }
 #endif

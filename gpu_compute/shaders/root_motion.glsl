@@ -1,4 +1,4 @@
-// Motion of a strand's root in a substep. Requires kernels/rod.h, step_input.glsl and root_poses.glsl.
+// Motion of a strand's root in a substep. Requires kernels/rod.h and step_input.glsl.
 
 struct RootMotion {
   vec3 position;     // m, at the end of the substep

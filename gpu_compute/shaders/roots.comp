@@ -15,11 +15,8 @@ layout(local_size_x = WORKGROUP) in;
 #include "kernels/distance_field.h"
 #include "kernels/rod.h"
 #include "gpu_compute/shaders/step_input.glsl"
-#include "gpu_compute/shaders/strand_offsets.glsl"
 #include "gpu_compute/shaders/bodies.glsl"
-#include "gpu_compute/shaders/root_cover.glsl"
 #include "gpu_compute/shaders/contact_cache.glsl"
-#include "gpu_compute/shaders/root_poses.glsl"
 #include "gpu_compute/shaders/root_motion.glsl"
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // xyz, m
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s; w: rest distance from bodies, m

@@ -1,11 +1,11 @@
-// The samples of a workgroup (gpu_compute/sample_tiles.h), which represent the pieces of strands on the grid
+// The samples of a workgroup (gpu_compute/hair_passes.h), which represent the pieces of strands on the grid
 // (air/hair_layout.h). Vertices are stored along strands; samples are stored so that neighbours in space are adjacent,
 // often the same piece of the next strand. Requires air_settings.glsl.
 #define TILE_SAMPLES 320  // kTileSamples
 layout(local_size_x = TILE_SAMPLES) in;
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };    // xyz, m, world
 layout(std430, binding = 1) readonly buffer Velocities { vec4 velocities[]; };  // xyz, m/s
-struct SampleTile {                                                             // gpu_compute/sample_tiles.h
+struct SampleTile {                                                             // gpu_compute/hair_passes.h
   uint first_strand, strands, first_piece, pieces;
   uint edges, pieces_of_strand, parts, margin;
 };

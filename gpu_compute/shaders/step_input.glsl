@@ -1,8 +1,11 @@
-// Input of a step: settings, poses of bones and roots, and bodies, as UploadRing (gpu_compute/mapped_rings.h) uploads them.
-// Requires kernels/rotation.h.
-// ACCELERATED: 0, 1: every vertex has an external acceleration. Undefined counts as 0.
+// Input of a step: settings, poses of bones and roots, and bodies, as UploadRing (gpu_compute/mapped_rings.h) uploads them;
+// offsets of strands, and grooming factors. Requires kernels/rotation.h.
+// ACCELERATED: 0, 1: every vertex has an external acceleration. Undefined counts as 0, as for GROOMED.
+// GROOMED: 0: no grooming factors.
+//          1: factors of friction and damping time are constant along each strand.
+//          2: they may differ along strands.
 
-struct PlacedBody {  // units and frames: gpu_compute/placed_bodies.h
+struct PlacedBody {  // units and frames: gpu_compute/step_input.h
   vec3 middle;
   float ball;
   vec3 a;
@@ -21,8 +24,8 @@ struct PlacedBody {  // units and frames: gpu_compute/placed_bodies.h
   float time;
   float bend_shift;
 };
-const float kAlike = 1e-4;                      // m, bound on how differently bodies with one leader move points in a step
-layout(std140, binding = 0) uniform Settings {  // gpu_compute/gpu_layout.h
+const float kMotionTolerance = 1e-4;            // m, bound on how differently bodies with one leader move points in a step
+layout(std140, binding = 0) uniform Settings {  // gpu_compute/step_input.h
   vec4 gravity;
   vec4 wind;
   float keep;           // exp(-drag substep)
@@ -91,4 +94,42 @@ vec3 bonePoint(vec4 local, float time) {
   uint bone = uint(-local.w) - 1u;
   vec3 begin = apply(poseAt(bone), local.xyz), end = apply(poseAt(bone + settings.bone_count), local.xyz);
   return madd(end - begin, time, begin);
+}
+
+// strand_count + 1 offsets: the first vertex of each strand, then the number of vertices. Then per strand its
+// neighbourhood, then per strand the bone that carries its root.
+layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };
+
+#if GROOMED
+// Grooming factors, which multiply the settings of all hair, and tethers (kernels/strand.h).
+// One entry per vertex. At a strand's root: factors of friction (x) and of the damping time (y). At its other vertices:
+// factors of air drag (x) and of the goal's rate (y), and the length of the tether (z, m). GROOMED 2: the second half of
+// the buffer holds the factors of friction (x) and damping time (y) of each vertex and its joint.
+layout(std430, binding = 13) readonly buffer Grooming { vec4 grooming[]; };
+
+float airDragOf(uint vertex) { return settings.air_drag * grooming[vertex].x; }
+// DragStep::keep and DragStep::time2 (core/backend.h) with the vertex's air drag.
+float keepOf(uint vertex) { return exp(-airDragOf(vertex) * settings.substep); }
+float time2Of(uint vertex) {
+  const float x = airDragOf(vertex) * settings.substep;
+  const float small = madd(-x, madd(-x, madd(-x, madd(-x, 1.0 / 120.0, 1.0 / 24.0), 1.0 / 6.0), 0.5), 1.0);
+  return settings.substep * settings.substep * (x < 0.1 ? small : (1.0 - exp(-x)) / x);
+}
+#if GROOMED == 2
+vec2 frictionAndDampingOf(uint vertex) { return grooming[uint(grooming.length()) / 2u + vertex].xy; }
+#endif
+float goalRateOf(uint vertex) { return settings.goal_rate * grooming[vertex].y; }
+
+#endif
+
+// Poses of the strands' roots, carried by their bones.
+struct RootPoses {
+  Pose begin, end;  // at the start and the end of the step
+};
+
+Pose carriedRoot(Pose rest, Pose bone) { return Pose(apply(bone, rest.position), multiply(bone.rotation, rest.rotation)); }
+RootPoses rootPoses(uint strand) {
+  const uint bones = settings.bone_count, bone = offsets[2u * settings.strand_count + 1u + strand];
+  const Pose rest = poseAt(2u * bones + strand);
+  return RootPoses(carriedRoot(rest, poseAt(bone)), carriedRoot(rest, poseAt(bone + bones)));
 }

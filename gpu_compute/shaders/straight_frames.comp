@@ -8,8 +8,8 @@ layout(local_size_x = 32) in;
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
 #include "kernels/rod.h"
-#include "gpu_compute/shaders/strand_offsets.glsl"
 
+layout(std430, binding = 4) readonly buffer Offsets { uint offsets[]; };      // see step_input.glsl
 layout(std430, binding = 0) readonly buffer Positions { vec4 positions[]; };  // see rod_strand.glsl, as all here
 layout(std430, binding = 5) readonly buffer Work { uint work[]; };
 layout(std430, binding = 9) buffer Frames { vec4 frames[]; };

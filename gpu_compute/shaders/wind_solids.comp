@@ -11,7 +11,6 @@
 #include "kernels/grid.h"
 #define ACCELERATED 0
 #include "gpu_compute/shaders/step_input.glsl"
-#include "gpu_compute/shaders/strand_offsets.glsl"
 #include "gpu_compute/shaders/bodies.glsl"
 #include "gpu_compute/shaders/air_settings.glsl"
 #include "gpu_compute/shaders/wind_grid.glsl"

@@ -1,5 +1,4 @@
 #version 450 core
 #include "render/shaders/scene.glsl"
-#include "render/shaders/color.glsl"
 layout(location = 0) out vec4 color;
 void main() { color = vec4(backgroundColor(gl_FragCoord.xy), 1); }

@@ -1,9 +1,7 @@
 #version 450 core
 // variants: none | LIGHTS=1 CASTERS=1 | LIGHTS=4 CASTERS=2
 #include "render/shaders/scene.glsl"
-#include "render/shaders/color.glsl"
 #include "render/shaders/light.glsl"
-#include "render/shaders/shadow.glsl"
 layout(location = 0) in vec3 world;
 layout(location = 0) out vec4 color;
 void main() {

@@ -4,10 +4,8 @@
 // stochastic transparency (Enderton et al. 2010) with noise that runs along strands, where it looks like strands. With
 // alpha to coverage the device chooses the samples.
 #include "render/shaders/scene.glsl"
-#include "render/shaders/color.glsl"
 #ifdef PER_FRAGMENT
 #include "render/shaders/light.glsl"
-#include "render/shaders/shadow.glsl"
 #include "render/shaders/hair_shading.glsl"
 layout(location = 4) in vec4 lit_position;
 layout(location = 5) in vec3 lit_tangent;

@@ -1,5 +1,5 @@
 #version 450 core
-// Lists the fragments that hair_opacity.frag accumulates: for light_probe.h.
+// Lists the fragments that hair_opacity.frag accumulates: for LightProbe in render/shader_validation.h.
 layout(location = 2) in float coverage;
 layout(std430, binding = 9) buffer Fragments {
   uint count, room, unused[2];

@@ -1,6 +1,6 @@
 #version 450 core
 // variants: none | BODIES=1
-// One invocation grows one vertex of one hair; hair_vertices.h has the layout.
+// One invocation grows one vertex of one hair; HairVertices in render/hair_pass.h has the layout.
 layout(local_size_x = 256) in;
 #define HAIR_BODIES_ACCESS readonly
 #include "render/shaders/hair_curve.glsl"

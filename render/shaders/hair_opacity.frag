@@ -1,7 +1,7 @@
 #version 450 core
-// Adds a hair's optical depth to the layer that contains it and to all layers behind; see deep_opacity.h.
+// Adds a hair's optical depth to the layer that contains it and to all layers behind; see OpacityLayers in render/render_settings.h.
 #include "render/shaders/scene.glsl"
-#include "render/shaders/shadow.glsl"
+#include "render/shaders/light.glsl"
 layout(location = 2) in float coverage;
 layout(location = 0) out vec4 layers[4];
 uniform float map_size;

@@ -1,5 +1,4 @@
-// Kajiya and Kay 1989 with two specular lobes shifted along the tangent. Needs scene.glsl, color.glsl, light.glsl,
-// shadow.glsl.
+// Kajiya and Kay 1989 with two specular lobes shifted along the tangent. Needs scene.glsl and light.glsl.
 
 // Inclinations are measured from the plane perpendicular to the hair, positive towards the tip. A cylinder reflects
 // light at inclination a to -a. Scales tilted towards the root shift the first lobe to 2 * kShift - a. They shift the

@@ -2,8 +2,6 @@
 // light. STRIP: `side` selects one of two vertices on either side of the hair. Needs scene.glsl and hair_curve.glsl.
 #include "render/shaders/light.glsl"
 #ifdef COLOR
-#include "render/shaders/color.glsl"
-#include "render/shaders/shadow.glsl"
 #ifdef PER_FRAGMENT
 layout(location = 4) out vec4 lit_position;  // w: fraction of the hair's length up to it
 layout(location = 5) out vec3 lit_tangent;
@@ -17,7 +15,7 @@ layout(location = 2) out float coverage;
 layout(location = 3) flat out vec2 dither;  // remaining dither of detailWidth(), and Hair::first_sample
 uniform float threshold;
 
-// Level of detail, see hair_detail.h. Returns the factor of the hair's width; `left` is the remaining dither.
+// Level of detail, see hair_selection.h. Returns the factor of the hair's width; `left` is the remaining dither.
 float detailWidth(Hair hair, out float left) {
   float chance = clamp(threshold * hair.width * hair.importance, 1e-20, 1.0);
   left = clamp((hair.dither - 1.0 + chance) / chance, 0.0, 0.99999994);

@@ -1,6 +1,6 @@
 #version 450 core
 // variants: GUIDES=1 | TANGENTS=1 | COLLIDED=1 | INSIDE=1
-// Diagnostic marks over the picture; see marks.h.
+// Diagnostic marks over the picture; see Marks in render/hair_pass.h.
 #define BODIES
 #define HAIR_BODIES_ACCESS readonly
 #include "render/shaders/scene.glsl"

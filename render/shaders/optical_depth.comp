@@ -1,8 +1,8 @@
 #version 450 core
-// Evaluates a light's maps at points: for light_probe.h.
+// Evaluates a light's maps at points: for LightProbe in render/shader_validation.h.
 layout(local_size_x = 64) in;
 #include "render/shaders/scene.glsl"
-#include "render/shaders/shadow.glsl"
+#include "render/shaders/light.glsl"
 layout(std430, binding = 9) readonly buffer Points { float points[]; };  // three each: the light's coordinates, 0 to 1
 layout(std430, binding = 10) writeonly buffer Answers { vec2 answers[]; };
 uniform uint point_count;

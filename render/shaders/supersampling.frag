@@ -1,5 +1,5 @@
 #version 450 core
-// Filters the samples around a pixel; supersampling.h. Texture reads are linear, and the result is stored as sRGB.
+// Filters the samples around a pixel; Supersampling in render/framebuffer.h. Texture reads are linear, and the result is stored as sRGB.
 layout(binding = 0) uniform sampler2D large;
 layout(location = 0) out vec4 color;
 uniform int factor, before, count;

@@ -7,7 +7,7 @@
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
 #include "tests/air/wide_fan.h"
-#include "tests/sanitized.h"
+#include "tests/thorough.h"
 #include "validation/specimen.h"
 
 namespace strandcast {

@@ -3,7 +3,7 @@
 
 #include "io/file_bytes.h"
 #include "tests/apps/daemon_fixture.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/io/skinned_arm.h"
 #include "transport/chunks.h"

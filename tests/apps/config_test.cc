@@ -4,7 +4,7 @@
 
 #include "apps/settings.h"
 #include "core/error.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 
 namespace strandcast {
 namespace {

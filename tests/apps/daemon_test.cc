@@ -12,7 +12,7 @@
 #include <string>
 
 #include "apps/backends.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "transport/commands.h"
 #include "transport/parameter_table.h"
 

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <clocale>
 
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 
 namespace strandcast {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 
 namespace strandcast {

@@ -9,7 +9,7 @@
 
 #include "apps/interrupt.h"
 #include "core/error.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 
 namespace strandcast {
 namespace {

@@ -7,7 +7,7 @@
 #include "apps/picture_arguments.h"
 #include "apps/unused_picture_options.h"
 #include "core/error.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/full_disk.h"
 #include "tests/io/scratch_folder.h"
 

@@ -16,7 +16,7 @@
 #include "core/error.h"
 #include "io/file_bytes.h"
 #include "io/groom_file.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/io/skinned_arm.h"
 #include "tests/transport/moving_hair.h"

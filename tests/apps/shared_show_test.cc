@@ -18,7 +18,6 @@
 
 #include "apps/daemon.h"
 #include "apps/show_fingerprint.h"
-#include "tests/apps/mesh_files.h"
 #include "tests/collision/shapes.h"
 #include "tests/io/scratch_folder.h"
 #include "transport/parameter_table.h"

@@ -9,7 +9,7 @@
 #include "apps/stream_scene.h"
 #include "core/error.h"
 #include "tests/apps/daemon_fixture.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/transport/true_within.h"
 #include "transport/lcm.h"

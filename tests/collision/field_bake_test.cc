@@ -10,7 +10,7 @@
 
 #include "collision/body_distance.h"
 #include "tests/collision/shapes.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 
 namespace strandcast {
 namespace {

@@ -7,7 +7,7 @@
 #include "collision/body_distance.h"
 #include "collision/field_bake.h"
 #include "tests/collision/shapes.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 
 namespace strandcast {
 namespace {

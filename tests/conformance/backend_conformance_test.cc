@@ -13,7 +13,7 @@
 #include "core/simulation.h"
 #include "tests/conformance/conformance_fixture.h"
 #include "tests/conformance/conformance_model.h"
-#include "tests/sanitized.h"
+#include "tests/thorough.h"
 
 namespace strandcast {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "tests/conformance/conformance_fixture.h"
 #include "tests/conformance/conformance_model.h"
-#include "tests/sanitized.h"
+#include "tests/thorough.h"
 
 namespace strandcast {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 
 namespace strandcast {
 namespace {

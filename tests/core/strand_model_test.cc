@@ -11,7 +11,7 @@
 #include "core/measure.h"
 #include "core/simulation.h"
 #include "core/strand_block.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "validation/specimen.h"
 
 namespace strandcast {

@@ -12,9 +12,8 @@
 
 #include "gl/context.h"
 #include "gl/current.h"
-#include "gpu_compute/driver_faults.h"
-#include "gpu_compute/subgroups.h"
-#include "tests/error_of.h"
+#include "gpu_compute/driver.h"
+#include "tests/expect_error.h"
 #endif
 
 namespace strandcast {

@@ -12,7 +12,7 @@
 #include "groom/groom_operations.h"
 #include "io/axes_and_units.h"
 #include "io/file_bytes.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/sample_files.h"
 #include "tests/io/scratch_folder.h"
 

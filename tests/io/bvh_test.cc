@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "io/bvh_skeleton.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/io/sample_clip.h"
 #include "tests/real_data.h"
 

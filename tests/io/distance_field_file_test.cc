@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/sample_files.h"
 #include "tests/io/scratch_folder.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "io/mesh_file.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/gltf_builder.h"
 #include "tests/io/sample_files.h"
 

@@ -10,7 +10,7 @@
 #include "io/groom_file.h"
 #include "io/mesh_file.h"
 #include "io/obj_strands.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/sample_files.h"
 
 namespace strandcast {

@@ -12,7 +12,7 @@
 #include "io/file_bytes.h"
 #include "io/mesh_file.h"
 #include "io/skinned_mesh.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/gltf_builder.h"
 #include "tests/io/sample_files.h"
 #include "tests/io/scratch_folder.h"

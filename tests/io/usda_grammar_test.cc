@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "io/groom_file.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/sample_files.h"
 
 namespace strandcast {

@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "io/groom_file.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/sample_files.h"
 
 namespace strandcast {

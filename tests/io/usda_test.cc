@@ -7,7 +7,7 @@
 #include "groom/groom.h"
 #include "io/file_bytes.h"
 #include "io/groom_file.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/sample_files.h"
 #include "tests/io/scratch_folder.h"
 

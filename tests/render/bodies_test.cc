@@ -1,7 +1,7 @@
 // Grown hair and bodies, checked by distances on the CPU.
 #include "collision/field_bake.h"
 #include "offscreen.h"
-#include "render/hair_readback.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

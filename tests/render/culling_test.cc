@@ -3,9 +3,8 @@
 
 #include "lamp.h"
 #include "offscreen.h"
-#include "render/hair_detail.h"
-#include "render/hair_groups.h"
-#include "render/hair_readback.h"
+#include "render/hair_selection.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

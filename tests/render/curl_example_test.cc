@@ -1,5 +1,5 @@
 // Curls taken from a strand and applied to hair.
-#include "render/curl_example.h"
+#include "render/hair_growth.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 
 #include "core/error.h"
 #include "io/groom_file.h"
-#include "render/hair_reference.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

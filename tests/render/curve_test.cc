@@ -8,9 +8,8 @@
 #include "offscreen.h"
 #include "render/guide_nodes.h"
 #include "render/hair_pass.h"
-#include "render/hair_readback.h"
-#include "render/hair_reference.h"
 #include "render/scene_block.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

@@ -3,10 +3,10 @@
 #include <cstring>
 #include <limits>
 
-#include "render/hair_detail.h"
 #include "render/hair_growth.h"
-#include "render/hair_reference.h"
-#include "render/root_triangles.h"
+#include "render/hair_selection.h"
+#include "render/scalp.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

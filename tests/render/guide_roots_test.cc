@@ -1,12 +1,11 @@
 // The rotation of grown hair's frames: that of the skin that the guides' roots are on.
-#include "render/guide_roots.h"
+#include "render/guide_nodes.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 
 #include "collision/field_bake.h"
-#include "render/guide_nodes.h"
 #include "render/hair_growth.h"
 #include "render/scene_block.h"
 #include "tests/collision/shapes.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/light.h"
+#include "render/render_settings.h"
 
 namespace strandcast {
 

@@ -3,7 +3,7 @@
 
 #include "lamp.h"
 #include "offscreen.h"
-#include "render/light_probe.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

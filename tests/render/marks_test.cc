@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "offscreen.h"
-#include "render/hair_reference.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

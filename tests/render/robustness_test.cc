@@ -5,9 +5,9 @@
 #include "core/error.h"
 #include "gl/context.h"
 #include "gl/program.h"
+#include "gl/timers.h"
 #include "offscreen.h"
 #include "render/framebuffer.h"
-#include "render/pass_clock.h"
 
 namespace strandcast {
 namespace {
@@ -31,7 +31,7 @@ TEST_F(PassTimes, OfASoftwareRendererAreWholeAndOfThePassThatTookThem) {
   glCreateVertexArrays(1, &no_vertices);
   glBindVertexArray(no_vertices);
   slow.use();
-  PassClock clock;
+  gl::PassClock clock;
   std::chrono::steady_clock::time_point begin;
   for (int again = 0; again < 2; ++again) {  // the first run compiles
     glFinish();

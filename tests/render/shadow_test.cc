@@ -3,9 +3,8 @@
 
 #include "lamp.h"
 #include "offscreen.h"
-#include "render/deep_opacity.h"
-#include "render/hair_reference.h"
-#include "render/light_probe.h"
+#include "render/render_settings.h"
+#include "render/shader_validation.h"
 
 namespace strandcast {
 namespace {

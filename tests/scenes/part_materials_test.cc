@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 
 namespace strandcast {
 namespace {

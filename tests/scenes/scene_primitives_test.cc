@@ -11,7 +11,7 @@
 #include "scenes/scene.h"
 #include "simd/simd_backend.h"
 #include "tests/collision/shapes.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 
 namespace strandcast {

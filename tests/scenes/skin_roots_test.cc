@@ -11,7 +11,7 @@
 #include "core/backend.h"
 #include "core/sag_free.h"
 #include "io/file_bytes.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/io/skinned_arm.h"
 #include "tests/scenes/furry_arm.h"

@@ -10,7 +10,7 @@
 
 #include "collision/mesh_query.h"
 #include "io/file_bytes.h"
-#include "tests/io/expect_error.h"
+#include "tests/expect_error.h"
 #include "tests/io/sample_files.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/io/skinned_arm.h"

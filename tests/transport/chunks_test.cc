@@ -12,7 +12,7 @@
 #include "chunk_fuzz.h"
 #include "core/error.h"
 #include "sample_messages.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "transport/assembler.h"
 #include "transport/frame_queue.h"
 

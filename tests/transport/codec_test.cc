@@ -10,7 +10,7 @@
 #include "golden_hair.h"
 #include "moving_hair.h"
 #include "payload_fuzz.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "transport/assembler.h"
 #include "transport/codec/bit_blocks.h"
 #include "transport/codec/guide_decoder.h"

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "sample_messages.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "transport/assembler.h"
 #include "transport/chunks.h"
 #include "transport/in_process.h"

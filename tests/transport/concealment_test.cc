@@ -8,7 +8,7 @@
 #include <random>
 
 #include "limb.h"
-#include "tests/sanitized.h"
+#include "tests/thorough.h"
 #include "transport/assembler.h"
 
 namespace strandcast {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "tests/sanitized.h"
+#include "tests/thorough.h"
 
 namespace strandcast {
 

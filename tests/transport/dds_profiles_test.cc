@@ -16,7 +16,7 @@
 #include "dds_domain.h"
 #include "peer.h"
 #include "sample_messages.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "transport/dds.h"
 #include "transport/publisher.h"
 

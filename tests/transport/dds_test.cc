@@ -13,7 +13,7 @@
 #include "moving_hair.h"
 #include "sample_messages.h"
 #include "steering.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "transport/dds.h"
 #include "transport/parameter_table.h"
 #include "transport/publisher.h"

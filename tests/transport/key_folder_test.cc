@@ -10,7 +10,7 @@
 #include <iterator>
 #include <string>
 
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/full_disk.h"
 #include "tests/io/scratch_folder.h"
 #include "transport/security/test_authority.h"

@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "moving_hair.h"
 #include "recording_fuzz.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/full_disk.h"
 #include "tests/io/scratch_folder.h"
 #include "transport/in_process.h"

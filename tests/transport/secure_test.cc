@@ -13,7 +13,7 @@
 
 #include "dds_domain.h"
 #include "peer.h"
-#include "tests/error_of.h"
+#include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 #include "transport/dds.h"
 #include "transport/publisher.h"

@@ -34,7 +34,7 @@
 #include "core/error.h"
 #include "dds_domain.h"
 #include "sample_messages.h"
-#include "tests/sanitized.h"
+#include "tests/thorough.h"
 #include "transport/dds.h"
 #include "transport/lcm.h"
 #include "transport/publisher.h"
