@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 
 #include "core/error.h"
@@ -169,6 +170,35 @@ void checkWindSource(const WindSource& s, const std::string& where) {
   if (!within(s.speed, -100, 100) || !within(s.swirl, -100, 100) || !within(s.rate, 0, 1000))
     throw Error("a source's speed, swirl or rate is out of range", where,
                 "give speeds within +-100 m/s and a rate of 0 to 1000 1/s");
+}
+
+WindSourceParts partsOf(WindSource::Kind kind) {
+  WindSourceParts unused = 0;
+  const auto ignoreOptions = [&](std::initializer_list<const char*> names) {
+    for (const WindSourceNumber& number : windSourceNumbers())
+      for (const std::string name : names)
+        if (name == number.name) unused |= number.part;
+  };
+  switch (kind) {
+    case WindSource::Kind::kCone:
+      ignoreOptions({"radius", "swirl"});
+      break;
+    case WindSource::Kind::kTurbine:
+      ignoreOptions({"angle"});
+      break;
+    case WindSource::Kind::kSphere:
+      ignoreOptions({"length", "angle", "swirl", "rate"});
+      unused |= kSourceDirection;
+  }
+  return kAllSourceParts & ~unused;
+}
+
+std::string unusedParts(WindSource::Kind kind, WindSourceParts parts) {
+  const WindSourceParts unused = parts & ~partsOf(kind);
+  std::string names = (unused & kSourceDirection) != 0 ? "direction" : "";
+  for (const WindSourceNumber& number : windSourceNumbers())
+    if ((unused & number.part) != 0) names += (names.empty() ? "" : ", ") + std::string(number.name);
+  return names;
 }
 
 }  // namespace strandcast

@@ -58,6 +58,12 @@ struct WindSourceNumber {
 /// radius, length, angle, speed, swirl, rate.
 std::span<const WindSourceNumber> windSourceNumbers();
 
+/// The parts that a source of this kind uses: a cone has no radius and swirl, a turbine no angle, a sphere
+/// only position, radius and speed.
+WindSourceParts partsOf(WindSource::Kind kind);
+/// The names of those `parts` that a source of this kind does not use: "direction, angle"; empty where it
+/// uses all.
+std::string unusedParts(WindSource::Kind kind, WindSourceParts parts);
 /// Copies `parts` of `of` to `source`.
 void copyParts(WindSource& source, const WindSource& of, WindSourceParts parts);
 /// Interpolates two sources of the same kind, `part` from 0 to 1: positions and numbers linearly, directions

@@ -12,14 +12,14 @@
 #include <memory>
 #include <optional>
 
-#include "apps/console.h"
-#include "apps/output_folder.h"
-#include "bench/bench_scene.h"
-#include "bench/headlines.h"
+#include "bench/bench_simulation.h"
 #include "bench/machine.h"
 #include "bench/plots.h"
-#include "bench/text_file.h"
+#include "bench/report.h"
+#include "bench/table.h"
 #include "core/error.h"
+#include "options/console.h"
+#include "options/output_folder.h"
 #ifdef STRANDCAST_HAS_RENDER
 #include "gl/context.h"
 #endif

@@ -1,11 +1,16 @@
 #include "bench/bullet_ropes.h"
 
+#ifdef STRANDCAST_HAS_BULLET
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <fmt/format.h>
 
 #include <cmath>
+#else
+#include "core/error.h"
+#endif
 
 namespace strandcast {
+#ifdef STRANDCAST_HAS_BULLET
 
 bool bulletAvailable(std::string*) { return true; }
 std::string bulletVersion() {
@@ -82,4 +87,24 @@ std::vector<Vec3> BulletRopes::positions() const {
   return out;
 }
 
+#else
+
+struct BulletRopes::World {};
+
+bool bulletAvailable(std::string* reason) {
+  if (reason != nullptr)
+    *reason = "this build has no Bullet: install libbullet-dev (./dev setup) and configure again";
+  return false;
+}
+std::string bulletVersion() { return ""; }
+
+BulletRopes::BulletRopes(const std::vector<StrandPoints>&, double) {
+  throw Error("this build has no Bullet", "Bullet's ropes", "install libbullet-dev (./dev setup)");
+}
+BulletRopes::~BulletRopes() = default;
+void BulletRopes::configure(double, int, int, double) {}
+void BulletRopes::step(const Pose&, const Pose&) {}
+std::vector<Vec3> BulletRopes::positions() const { return {}; }
+
+#endif
 }  // namespace strandcast

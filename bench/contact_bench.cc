@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/backends.h"
-#include "apps/number_range.h"
-#include "bench/bench_scene.h"
+#include "bench/bench_simulation.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend.h"
 #include "io/mesh_file.h"
+#include "options/number_range.h"
+#include "service/scene_simulation.h"
 
 namespace strandcast {
 namespace {

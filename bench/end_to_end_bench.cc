@@ -9,16 +9,16 @@
 #include <memory>
 #include <thread>
 
-#include "apps/backends.h"
-#include "apps/console.h"
-#include "apps/daemon.h"
-#include "apps/number_range.h"
-#include "bench/bench_scene.h"
+#include "bench/bench_simulation.h"
 #include "bench/counted_memory.h"
 #include "bench/reader_process.h"
 #include "core/backend.h"
 #include "core/error.h"
 #include "core/quantile.h"
+#include "options/console.h"
+#include "options/number_range.h"
+#include "service/daemon.h"
+#include "service/scene_simulation.h"
 #include "transport/codec/guide_decoder.h"
 #include "transport/codec/guide_encoder.h"
 #include "transport/dds.h"

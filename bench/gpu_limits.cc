@@ -1,5 +1,6 @@
-#include "bench/gpu_limits.h"
+#include "bench/machine.h"
 
+#ifdef STRANDCAST_HAS_RENDER
 #include <algorithm>
 #include <chrono>
 
@@ -8,8 +9,13 @@
 #include "gl/current.h"
 #include "gl/program.h"
 #include "gl/timers.h"
+#else
+#include "core/error.h"
+#endif
 
 namespace strandcast {
+#ifdef STRANDCAST_HAS_RENDER
+
 namespace {
 
 constexpr GLuint kWorkgroup = 256;    // of both shaders
@@ -89,4 +95,11 @@ GpuLimits measuredGpuLimits() {
   return {multiplyAddsPerSecond(context.software()), copiedBytesPerSecond(context.software())};
 }
 
+#else
+
+GpuLimits measuredGpuLimits() {
+  throw Error("this build has no OpenGL", "--backend gpu", "install libepoxy-dev and build again");
+}
+
+#endif
 }  // namespace strandcast

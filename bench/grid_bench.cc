@@ -11,10 +11,10 @@
 
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
-#include "apps/backends.h"
-#include "bench/bench_scene.h"
+#include "bench/bench_simulation.h"
 #include "core/backend.h"
 #include "gpu_compute/gpu_air.h"
+#include "service/scene_simulation.h"
 
 namespace strandcast {
 namespace {

@@ -1,13 +1,85 @@
-#include "bench/headlines.h"
-
 #include <fmt/format.h>
 
-#include "bench/axis_fit.h"
-#include "bench/peer_ratio.h"
-#include "bench/text_file.h"
+#include <algorithm>
+#include <cmath>
+
+#include "bench/report.h"
+#include "bench/table.h"
 #include "core/error.h"
 
 namespace strandcast {
+
+PowerLaw fitPowerLaw(std::span<const std::pair<double, double>> points) {
+  const auto n = static_cast<double>(points.size());
+  double mean_x = 0, mean_y = 0;
+  for (const auto& [x, y] : points) {
+    mean_x += std::log(x) / n;
+    mean_y += std::log(y) / n;
+  }
+  double xx = 0, xy = 0, yy = 0;
+  for (const auto& [x, y] : points) {
+    const double dx = std::log(x) - mean_x, dy = std::log(y) - mean_y;
+    xx += dx * dx;
+    xy += dx * dy;
+    yy += dy * dy;
+  }
+  PowerLaw law;
+  law.exponent = xy / xx;
+  law.factor = std::exp(mean_y - law.exponent * mean_x);
+  if (points.size() > 2)
+    law.standard_error = std::sqrt(std::max(0.0, yy - law.exponent * xy) / ((n - 2) * xx));
+  return law;
+}
+
+double minMs(const nlohmann::json& row) {
+  const bool one_thread = row["threads"] == 1 && row["device"].get<std::string>().ends_with("1 thread");
+  return row[one_thread ? "cpu_ms_min" : "ms_min"].get<double>();
+}
+
+std::vector<AxisFit> fitAxes(const std::vector<nlohmann::json>& rows) {
+  std::vector<AxisFit> fits;
+  for (const char* axis : {"strands", "vertices", "substeps"}) {
+    std::vector<std::pair<double, double>> points;
+    for (const nlohmann::json& row : rows)
+      if (row["axis"] == axis) points.emplace_back(row["value"].get<double>(), minMs(row));
+    if (points.size() >= 2) fits.push_back({axis, fitPowerLaw(points), points.size()});
+  }
+  return fits;
+}
+
+std::optional<nlohmann::json> cheapestWithin(const std::vector<nlohmann::json>& rows,
+                                             const std::string& solver, double stretch) {
+  std::optional<nlohmann::json> best;
+  for (const nlohmann::json& row : rows) {
+    if (row["solver"] != solver || !row.contains("max_stretch") || row["max_stretch"].is_null()) continue;
+    if (row["max_stretch"] <= stretch &&
+        (!best || row["ns_per_vertex_frame"] < (*best)["ns_per_vertex_frame"]))
+      best = row;
+  }
+  return best;
+}
+
+std::optional<PeerRatio> bulletOverRod(const std::vector<nlohmann::json>& rows, int substeps) {
+  const auto rod = std::find_if(rows.begin(), rows.end(), [&](const nlohmann::json& row) {
+    return row["solver"] == "rod" && row["substeps"] == substeps;
+  });
+  if (rod == rows.end()) return std::nullopt;
+  PeerRatio out;
+  out.stretch = (*rod)["max_stretch"];
+  if (const auto within = cheapestWithin(rows, "bullet", out.stretch)) {
+    out.reached = true;
+    out.bullet = *within;
+  } else {
+    for (const nlohmann::json& row : rows)
+      if (row["solver"] == "bullet" && row.contains("max_stretch") && !row["max_stretch"].is_null() &&
+          (out.bullet.is_null() || row["max_stretch"] < out.bullet["max_stretch"]))
+        out.bullet = row;
+    if (out.bullet.is_null()) return std::nullopt;
+  }
+  out.ratio = out.bullet["ns_per_vertex_frame"].get<double>() / (*rod)["ns_per_vertex_frame"].get<double>();
+  return out;
+}
+
 namespace {
 
 class Collector {

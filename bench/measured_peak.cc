@@ -3,8 +3,8 @@
 #include <thread>
 #include <vector>
 
-#include "bench/measured_run.h"
-#include "bench/operation_count.h"
+#include "bench/bench_simulation.h"
+#include "bench/machine.h"
 #include "kernels/highway_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bench/measured_peak.cc"

@@ -8,14 +8,14 @@
 #include <memory>
 #include <numbers>
 
-#include "apps/console.h"
-#include "bench/accuracy_trial.h"
-#include "bench/bench_scene.h"
+#include "bench/accuracy_bench.h"
+#include "bench/bench_simulation.h"
 #include "bench/bullet_ropes.h"
-#include "bench/peer_ratio.h"
 #include "bench/plots.h"
-#include "bench/text_file.h"
+#include "bench/report.h"
+#include "bench/table.h"
 #include "core/measure.h"
+#include "options/console.h"
 #include "simd/simd_backend.h"
 
 namespace strandcast {

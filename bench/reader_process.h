@@ -2,7 +2,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "apps/child_process.h"
+#include "service/process.h"
 
 namespace CLI {
 class App;

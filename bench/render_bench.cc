@@ -7,7 +7,7 @@
 #include <chrono>
 #include <memory>
 
-#include "bench/bench_scene.h"
+#include "bench/bench_simulation.h"
 #include "gl/context.h"
 #include "render/framebuffer.h"
 #include "render/renderer.h"

@@ -11,15 +11,15 @@
 #include <memory>
 #include <thread>
 
-#include "apps/backends.h"
-#include "apps/console.h"
-#include "apps/daemon.h"
-#include "apps/number_range.h"
-#include "bench/axis_fit.h"
-#include "bench/bench_scene.h"
+#include "bench/bench_simulation.h"
 #include "bench/reader_process.h"
+#include "bench/report.h"
 #include "core/backend.h"
 #include "core/error.h"
+#include "options/console.h"
+#include "options/number_range.h"
+#include "service/daemon.h"
+#include "service/scene_simulation.h"
 #include "simd/simd_backend.h"
 #include "transport/dds.h"
 #include "transport/frame_queue.h"

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/console.h"
-#include "bench/bench_scene.h"
+#include "bench/bench_simulation.h"
 #include "bench/reader_process.h"
 #include "core/error.h"
 #include "core/quantile.h"
+#include "options/console.h"
 #include "transport/dds.h"
 #include "transport/lcm.h"
 

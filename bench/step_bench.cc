@@ -1,26 +1,175 @@
-#include "bench/verbs.h"
-
 #include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
+
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <thread>
 
-#include "apps/backends.h"
-#include "apps/number_range.h"
-#include "bench/bench_scene.h"
-#include "bench/gpu_limits.h"
-#include "bench/measured_copy.h"
-#include "bench/operation_count.h"
+#include "bench/bench_simulation.h"
+#include "bench/machine.h"
+#include "bench/verbs.h"
 #include "collision/tree_broad_phase.h"
 #include "core/backend.h"
 #include "core/error.h"
+#include "core/strand_block.h"
 #include "gpu_compute/gpu_air.h"
+#include "options/number_range.h"
+#include "service/scene_simulation.h"
 #include "simd/simd_backend.h"
 
 namespace strandcast {
+namespace kernels::counting {
+// Each header depends on those before it.
+// clang-format off
+// Lane vocabulary over one float that counts operations: additions, multiplications, divisions and roots count one
+// each, a fused multiply-add two. Comparisons, selections, rounding and moves are not counted.
+using Scalar = float;
+constexpr int kLanes = 1;
+using mask = bool;
+struct real {
+  float v;
+};
+inline uint64_t operations = 0, operations_of[kStepParts] = {};
+inline StepPart part_now = StepPart::kOther;
+
+// Shadows the StepScope of core/strand_block.h, which does nothing.
+class StepScope {
+ public:
+  explicit StepScope(StepPart part) : around_(part_now) { part_now = part; }
+  ~StepScope() { part_now = around_; }
+  StepScope(const StepScope&) = delete;
+  StepScope& operator=(const StepScope&) = delete;
+
+ private:
+  StepPart around_;
+};
+
+inline real counted(float value, int count = 1) {
+  operations += count;
+  operations_of[static_cast<int>(part_now)] += count;
+  return {value};
+}
+inline real lit(double value) { return {static_cast<float>(value)}; }
+inline real operator+(real a, real b) { return counted(a.v + b.v); }
+inline real operator-(real a, real b) { return counted(a.v - b.v); }
+inline real operator*(real a, real b) { return counted(a.v * b.v); }
+inline real operator/(real a, real b) { return counted(a.v / b.v); }
+inline real madd(real a, real b, real c) { return counted(std::fma(a.v, b.v, c.v), 2); }
+inline real sqrt(real a) { return counted(std::sqrt(a.v)); }
+inline real inverse(real a) { return counted(1 / a.v); }
+inline real inverseSqrt(real a) { return counted(1 / std::sqrt(a.v)); }
+inline real floor(real a) { return {std::floor(a.v)}; }
+inline real abs(real a) { return {std::fabs(a.v)}; }
+inline real min(real a, real b) { return a.v < b.v ? a : b; }
+inline real max(real a, real b) { return a.v > b.v ? a : b; }
+inline mask operator<(real a, real b) { return a.v < b.v; }
+inline mask operator>(real a, real b) { return a.v > b.v; }
+inline mask operator<=(real a, real b) { return a.v <= b.v; }
+inline mask operator>=(real a, real b) { return a.v >= b.v; }
+inline real select(mask m, real a, real b) { return m ? a : b; }
+inline real load(const Scalar* p) { return {*p}; }
+inline void store(real value, Scalar* p) { *p = value.v; }
+inline bool anyTrue(mask m) { return m; }
+inline uint32_t laneBits(mask m) { return m ? 1 : 0; }
+inline Scalar reduceMin(real value) { return value.v; }
+inline void storeAsInt(real value, uint32_t* p) { *p = static_cast<uint32_t>(value.v); }
+struct Packing {
+  mask lanes;
+};
+inline Packing packing(mask m) { return {m}; }
+inline void compressStore(real value, Packing packing, Scalar* p) {
+  if (packing.lanes) *p = value.v;
+}
+inline mask firstLanes(int count) { return count > 0; }
+inline real laneNumbers() { return {0}; }
+using word = int32_t;
+inline word splat(int32_t value) { return value; }
+inline word toInt(real value) { return static_cast<word>(value.v); }
+inline real realOf(word value) { return {static_cast<float>(value)}; }
+inline real floatOf(word bits) { return {std::bit_cast<float>(bits)}; }
+inline word select(mask m, word a, word b) { return m ? a : b; }
+inline word shiftedDown(word a, word bits) { return a >> bits; }
+inline word wordAt(const uint32_t* words, word number) { return static_cast<word>(words[number]); }
+inline word wordAtByte(const uint32_t* words, word byte) {
+  word found;
+  std::memcpy(&found, reinterpret_cast<const char*>(words) + byte, sizeof found);
+  return found;
+}
+inline real lowHalves(word words) { return {static_cast<float>(static_cast<int16_t>(words))}; }
+inline real highHalves(word words) { return {static_cast<float>(words >> 16)}; }
+
+#include "kernels/lanes_vector.inl"
+#include "kernels/rotation.h"
+#include "kernels/strand.h"
+#include "kernels/contact.h"
+#include "kernels/distance_field.h"
+#include "kernels/rod.h"
+#include "kernels/stiff_tensions.h"
+#include "kernels/end_lanes.inl"
+#include "core/block_step.inl"
+// clang-format on
+}  // namespace kernels::counting
+
+/// Floating-point operations of a step, per vertex and substep.
+struct OperationCount {
+  double all = 0;
+  std::array<double, kStepParts> parts{};  ///< indexed by StepPart; sums to `all`
+};
+/// Counts the operations by running the source of the CPU step with a counting number type, on about a
+/// thousand strands, evenly chosen.
+OperationCount countOperations(const StrandModel& model, const StrandState& state, const StepInput& input) {
+  BlockStore<float> store;
+  store.load(model, 1);
+  store.prepare(*input.parameters, !input.primitives.empty());
+  store.upload(state);
+  std::vector<float> scratch(blockScratch(store.maxVertices(), 1));
+  const size_t apart = 1 + store.blocks() / 1024;
+  kernels::counting::operations = 0;
+  std::ranges::fill(kernels::counting::operations_of, 0);
+  size_t vertices = 0;
+  for (size_t b = 0; b < store.blocks(); b += apart) {
+    const BlockView<float> block = store.block(b, input, scratch.data());
+    kernels::counting::stepBlock(block, input, scratch.data());
+    vertices += static_cast<size_t>(block.vertices);
+  }
+  const double times = static_cast<double>(vertices) * input.parameters->substeps;
+  OperationCount out;
+  out.all = static_cast<double>(kernels::counting::operations) / times;
+  for (size_t part = 0; part < kStepParts; ++part)
+    out.parts[part] = static_cast<double>(kernels::counting::operations_of[part]) / times;
+  return out;
+}
+
+/// A part's name in tables.
+const char* nameOf(StepPart part) {
+  switch (part) {
+    case StepPart::kOther:
+      return "other";
+    case StepPart::kPredict:
+      return "predict";
+    case StepPart::kTwist:
+      return "twist";
+    case StepPart::kBend:
+      return "bend";
+    case StepPart::kMove:
+      return "move";
+    case StepPart::kTensions:
+      return "tensions";
+    case StepPart::kSecondLengthPass:
+      return "second_length_pass";
+    case StepPart::kVelocities:
+      return "velocities";
+    case StepPart::kContact:
+      return "contact";
+  }
+  return "";
+}
+
 namespace {
 
 struct StepOptions {

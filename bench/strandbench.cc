@@ -8,13 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "apps/console.h"
-#include "apps/wire_reader.h"
 #include "bench/reader_process.h"
 #include "bench/table.h"
 #include "bench/verbs.h"
-#ifdef STRANDCAST_HAS_RENDER
-#endif
+#include "options/console.h"
+#include "validation/wire_suite.h"
 
 using namespace strandcast;
 

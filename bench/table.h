@@ -1,9 +1,16 @@
 #pragma once
 #include <nlohmann/json.hpp>
+
+#include <filesystem>
 #include <string>
 #include <vector>
 
 namespace strandcast {
+
+/// The content of a file; empty where there is no such file.
+std::string textOf(const std::filesystem::path& file);
+/// Writes a file. Throws Error.
+void writeText(const std::filesystem::path& file, const std::string& text);
 
 /// A column of a table.
 struct Column {

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <memory>
 
-#include "apps/console.h"
-#include "apps/wire_suite.h"
-#include "bench/bench_scene.h"
+#include "bench/bench_simulation.h"
 #include "core/error.h"
+#include "options/console.h"
 #include "simd/simd_backend.h"
+#include "validation/wire_suite.h"
 
 namespace strandcast {
 namespace {

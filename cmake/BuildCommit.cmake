@@ -1,4 +1,4 @@
-# strandcast_build_commit(TARGET): adds the function buildCommit() of bench/build_commit.h to TARGET. Every build asks git for
+# strandcast_build_commit(TARGET): adds the function buildCommit() of bench/machine.h to TARGET. Every build asks git for
 # the commit; the source file is rewritten and compiled only if it has changed. The function returns "unknown" outside a git
 # checkout; a trailing + means uncommitted changes.
 function(strandcast_build_commit target)

@@ -5,7 +5,7 @@ if(failed)
   set(commit unknown)
 endif()
 file(CONFIGURE OUTPUT ${OUT} @ONLY CONTENT [[
-#include "bench/build_commit.h"
+#include "bench/machine.h"
 
 namespace strandcast {
 std::string buildCommit() { return "@commit@"; }

@@ -262,7 +262,7 @@ enum class StepPart : uint8_t {
 constexpr int kStepParts = 9;
 
 /// Marks the code from here to the end of the scope as a part of the step; the innermost scope counts. This
-/// one does nothing; bench/lanes_counting.inl shadows it with one that counts operations.
+/// one does nothing; bench/step_bench.cc shadows it with one that counts operations.
 struct [[maybe_unused]] StepScope {
   StepPart part;
 };

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "validation/experiments.h"
+#include "validation/rest_shapes.h"
 #include "validation/specimen.h"
-#include "validation/wind_elastica.h"
 
 namespace strandcast {
 namespace {

@@ -5,16 +5,16 @@
 #include <span>
 
 #include "core/error.h"
-#include "validation/elastica.h"
 #include "validation/experiments.h"
+#include "validation/rest_shapes.h"
 #include "validation/specimen.h"
 
 namespace strandcast {
 namespace {
 
 constexpr double kSettlingTime = 8;  // s
-constexpr float kDrag = 5;           // 1/s
-constexpr double kRates[] = {360, 720};
+constexpr float kSettlingDrag = 5;   // 1/s
+constexpr double kSettlingRates[] = {360, 720};
 
 struct Cantilever {
   double gamma;
@@ -46,7 +46,7 @@ Material materialOf(const Cantilever& c) {
 
 /// Drop over reach of the tips of horizontal strands of human hair at rest.
 std::vector<double> restingSlopes(const Laboratory& laboratory, const std::vector<Cantilever>& cantilevers,
-                                  double rate, float drag = kDrag, double settling = kSettlingTime) {
+                                  double rate, float drag = kSettlingDrag, double settling = kSettlingTime) {
   std::vector<StrandPoints> strands;
   std::vector<Material> materials;
   for (const Cantilever& c : cantilevers) {
@@ -90,7 +90,7 @@ std::vector<std::string> namesOfSag() {
 std::vector<Case> sag(const Laboratory& laboratory) {
   const std::vector<Cantilever>& cantilevers = scoredCantilevers();
   std::map<double, std::vector<double>> slopes;
-  for (const double rate : kRates) slopes[rate] = restingSlopes(laboratory, cantilevers, rate);
+  for (const double rate : kSettlingRates) slopes[rate] = restingSlopes(laboratory, cantilevers, rate);
   std::vector<Case> cases;
   for (size_t i = 0; i < cantilevers.size(); ++i) {
     const std::string name = nameOf(cantilevers[i]);

@@ -10,7 +10,7 @@ constexpr int kEdges = 32;            ///< edges of a strand
 constexpr double kHairLength = 0.25;  ///< m, length of a long strand
 constexpr double kRate = 360;         ///< time steps per second
 
-/// Each function appends its experiments; it is in the file of its name.
+/// Each function appends its experiments.
 void addCantileverExperiments(
     std::vector<Experiment>& experiments);  ///< heavy elastica over gamma, edges, time step
 void addRestExperiments(std::vector<Experiment>& experiments);       ///< tip loads, catenary, hung helix

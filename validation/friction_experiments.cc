@@ -6,8 +6,8 @@
 
 #include "core/smooth_step.h"
 #include "validation/experiments.h"
-#include "validation/pressed_elastica.h"
-#include "validation/runge_kutta.h"
+#include "validation/rest_shapes.h"
+#include "validation/shooting.h"
 #include "validation/specimen.h"
 
 namespace strandcast {
@@ -16,8 +16,8 @@ namespace {
 // Step rates for forces of many times the weight of hair. At lower rates such tensions make strands vibrate.
 constexpr double kPressedRate =
     1440;  // for stick-slip; at half of it rods shortened by a third slip 5 % too early
-constexpr double kTautRate = 720;  // for capstan
-constexpr double kRadius = 40e-6;  // m, radius of the hair
+constexpr double kTautRate = 720;      // for capstan
+constexpr double kHairRadius = 40e-6;  // m, radius of the hair
 
 // Strands of one shape with friction coefficients low, low + step, ...; the body has friction 1.
 struct Frictions {
@@ -49,7 +49,7 @@ Parameters parametersWith(const Laboratory& laboratory, double air_drag, const V
                           double rate = kRate) {
   Parameters parameters = laboratory.parameters(rate, air_drag);
   parameters.gravity = gravity;
-  parameters.hair_radius = static_cast<float>(kRadius);
+  parameters.hair_radius = static_cast<float>(kHairRadius);
   return parameters;
 }
 
@@ -65,7 +65,7 @@ std::vector<double> tipDisplacements(const Laboratory& laboratory, double shorte
                                      const Frictions& range) {
   constexpr double kLength = 0.1, kFirst = 0.01, kSpeed = 0.005;  // m, fraction, m/s
   constexpr double kResting = 1;                                  // s
-  const float floor = static_cast<float>((kFirst - 1) * kLength - kRadius);
+  const float floor = static_cast<float>((kFirst - 1) * kLength - kHairRadius);
   Simulation simulation =
       laboratory.simulation(modelOfFrictions(straightStrand(kLength, kEdges, -Vec3::UnitY()), {}, range),
                             {{{{PrimitiveKind::kPlane, Vec3(0, floor, 0), Vec3::UnitY(), 0, 1}}, false}},
@@ -148,7 +148,7 @@ Simulation strandsOnSlope(const Laboratory& laboratory, double angle, const Fric
   const Vec3 normal(static_cast<float>(std::sin(angle)), static_cast<float>(std::cos(angle)), 0);
   return laboratory.simulation(
       modelOfFrictions(straightStrand(kSlopeLength, kEdges, Vec3::UnitZ()), limp, range),
-      {{{{PrimitiveKind::kPlane, normal * static_cast<float>(-kRadius), normal, 0, 1}}, false}},
+      {{{{PrimitiveKind::kPlane, normal * static_cast<float>(-kHairRadius), normal, 0, 1}}, false}},
       parametersWith(laboratory, 0, Vec3(0, -kGravity, 0)));
 }
 
@@ -238,7 +238,7 @@ std::vector<Case> capstan(const Laboratory& laboratory) {
   constexpr double kSpeed = 0.02, kPulling = 2;                      // m/s, s
   constexpr double kLoad = 5;                                        // load over the weight of the strand
   const double arc = kCylinder * std::numbers::pi / 2, length = kLevel + arc + kHanging;
-  const double out = kCylinder + kRadius;
+  const double out = kCylinder + kHairRadius;
   StrandPoints points;
   for (int i = 0; i <= kEdges; ++i) {
     const double at = length * i / kEdges, on = (at - kLevel) / kCylinder;

@@ -14,7 +14,7 @@
 namespace strandcast {
 namespace {
 
-constexpr float kDrag = 5;
+constexpr float kStressDrag = 5;
 
 // An abuse of hair at rest; calls `look` after every step.
 using StressTest = std::function<void(const Laboratory&, Simulation&, const std::function<void()>& look)>;
@@ -70,11 +70,11 @@ Material hairTimes(float stiffness) {
 
 std::vector<Case> stiff(const Laboratory& laboratory) {
   return stressCases(laboratory, "1000 times the stiffness", hairTimes(1000),
-                     laboratory.parameters(kRate, kDrag), shakeForThreeSeconds);
+                     laboratory.parameters(kRate, kStressDrag), shakeForThreeSeconds);
 }
 
 std::vector<Case> leap(const Laboratory& laboratory) {
-  return stressCases(laboratory, "leap of 1 m", {}, laboratory.parameters(kRate, kDrag),
+  return stressCases(laboratory, "leap of 1 m", {}, laboratory.parameters(kRate, kStressDrag),
                      [](const Laboratory& lab, Simulation& simulation, const auto& look) {
                        lab.advance(
                            simulation, 1,
@@ -86,20 +86,20 @@ std::vector<Case> leap(const Laboratory& laboratory) {
 }
 
 std::vector<Case> timeSteps(const Laboratory& laboratory) {
-  return stressCases(laboratory, "changing time steps", {}, laboratory.parameters(kRate, kDrag),
+  return stressCases(laboratory, "changing time steps", {}, laboratory.parameters(kRate, kStressDrag),
                      [](const Laboratory& lab, Simulation& simulation, const auto& look) {
                        for (const double rate : {30, 2000, 60, 1000, 30}) {
-                         simulation.setParameters(lab.parameters(rate, kDrag));
+                         simulation.setParameters(lab.parameters(rate, kStressDrag));
                          shakeFor(lab, simulation, 0.5, look);
                        }
                      });
 }
 
 std::vector<Case> substeps(const Laboratory& laboratory) {
-  return stressCases(laboratory, "changing substeps", {}, laboratory.parameters(kRate, kDrag),
+  return stressCases(laboratory, "changing substeps", {}, laboratory.parameters(kRate, kStressDrag),
                      [](const Laboratory& lab, Simulation& simulation, const auto& look) {
                        for (const int substeps : {1, 64, 2, 16, 1}) {
-                         Parameters parameters = lab.parameters(60, kDrag);
+                         Parameters parameters = lab.parameters(60, kStressDrag);
                          parameters.substeps = substeps;
                          simulation.setParameters(parameters);
                          shakeFor(lab, simulation, 0.5, look);
@@ -112,30 +112,30 @@ constexpr int kConstantRates[] = {30, 60, 2000};  // steps per second
 std::string nameOfRate(int rate) { return fmt::format("time step of 1/{} s", rate); }
 
 std::vector<Case> constantStep(const Laboratory& laboratory, int rate) {
-  return stressCases(laboratory, nameOfRate(rate), {}, laboratory.parameters(rate, kDrag),
+  return stressCases(laboratory, nameOfRate(rate), {}, laboratory.parameters(rate, kStressDrag),
                      shakeForThreeSeconds);
 }
 
 std::vector<Case> maxSubsteps(const Laboratory& laboratory) {
-  Parameters parameters = laboratory.parameters(30, kDrag);
+  Parameters parameters = laboratory.parameters(30, kStressDrag);
   parameters.substeps = 64;
   return stressCases(laboratory, "64 substeps", {}, parameters, shakeForThreeSeconds);
 }
 
 std::vector<Case> shortestSubsteps(const Laboratory& laboratory) {
-  Parameters parameters = laboratory.parameters(2000, kDrag);
+  Parameters parameters = laboratory.parameters(2000, kStressDrag);
   parameters.substeps = 64;
   return stressCases(laboratory, "64 substeps of 1/2000 s", {}, parameters, shakeForThreeSeconds);
 }
 
-std::vector<Case> damped(const Laboratory& laboratory) {
-  Parameters parameters = laboratory.parameters(kRate, kDrag);
+std::vector<Case> dampedShake(const Laboratory& laboratory) {
+  Parameters parameters = laboratory.parameters(kRate, kStressDrag);
   parameters.damping_time = 0.1f;  // 36 substeps
   return stressCases(laboratory, "internal damping of 0.1 s", {}, parameters, shakeForThreeSeconds);
 }
 
 std::vector<Case> coincident(const Laboratory& laboratory) {
-  return stressCases(laboratory, "coincident vertices", {}, laboratory.parameters(kRate, kDrag),
+  return stressCases(laboratory, "coincident vertices", {}, laboratory.parameters(kRate, kStressDrag),
                      [](const Laboratory& lab, Simulation& simulation, const auto& look) {
                        StrandState state = simulation.state();
                        for (size_t v = 10; v < 20; ++v) state.positions[v] = state.positions[10];
@@ -221,7 +221,7 @@ std::vector<Case> kinked(const Laboratory& laboratory, const char* name,
     strands.push_back(kinkedStrand(Vec3::Zero(), Vec3(any(), any(), any()).normalized(),
                                    s % 2 == 0 ? 0.1f : 0.2f, s % 2 == 0 ? 63 : 95, 0.1f, random));
   Simulation simulation = laboratory.simulation(modelOf(strands, std::vector<Material>(strands.size())),
-                                                bodies, laboratory.parameters(kRate, kDrag));
+                                                bodies, laboratory.parameters(kRate, kStressDrag));
   laboratory.advance(simulation, kSettling, {});
   const StrandState state = simulation.state();
   double moving = 0;
@@ -244,7 +244,8 @@ std::vector<Case> kinkedFromEdgeToEdge(const Laboratory& laboratory) {
     strands.push_back(kinkedStrand(Vec3::Zero(), Vec3(any(), any(), any()).normalized(),
                                    s % 2 == 0 ? 0.12f : 0.25f, 24 + 8 * (s / 2 % 4),
                                    0.15f + 0.5f * static_cast<float>(s) / kStrands, random));
-  Simulation simulation = laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kDrag));
+  Simulation simulation =
+      laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kStressDrag));
   laboratory.advance(simulation, kSettling);
   return {absoluteCase({kKinkedFromEdgeToEdge, "largest rms speed of a strand after 6 s", "mm/s"},
                        1e3 * fastestOf(simulation), 0, 5)};
@@ -268,7 +269,8 @@ std::vector<Case> cutUnevenly(const Laboratory& laboratory) {
       points.push_back(points.back() + (e == short_one ? part : 1.0f) * edge * Vec3::UnitX());
     strands.push_back(std::move(points));
   }
-  Simulation simulation = laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kDrag));
+  Simulation simulation =
+      laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kStressDrag));
   laboratory.advance(simulation, kSettling);
   return {absoluteCase({kCutUnevenly, "largest rms speed of a strand after 8 s", "mm/s"},
                        1e3 * fastestOf(simulation), 0, 1)};
@@ -331,7 +333,7 @@ std::vector<std::string> namesOfSlack() { return caseNames("between pins, slack=
 
 std::vector<Case> nearlyTaut(const Laboratory& laboratory) {
   constexpr double kResting = 4;  // s
-  Parameters parameters = laboratory.parameters(60, kDrag);
+  Parameters parameters = laboratory.parameters(60, kStressDrag);
   parameters.substeps = 6;
   std::vector<Case> cases;
   for (size_t i = 0; i < std::size(kSlacks); ++i) {
@@ -352,7 +354,7 @@ std::vector<Case> tautBetweenPins(const Laboratory& laboratory) {
   constexpr double kShaking = 2, kResting = 4;        // s
   constexpr double kTurn = 1.2, kWay = 0.1, kHz = 3;  // radians, m
   constexpr double kMoving = 0.005;                   // m/s
-  Parameters parameters = laboratory.parameters(60, kDrag);
+  Parameters parameters = laboratory.parameters(60, kStressDrag);
   parameters.substeps = 4;
   Simulation simulation = laboratory.simulation(hairBetweenPins(kStrands, 5e-4), {}, parameters);
   double stretch = 0;
@@ -385,7 +387,8 @@ std::vector<Case> farAway(const Laboratory& laboratory) {
   for (int s = 0; s < 16; ++s)
     strands.push_back(kinkedStrand(0.01f * Vec3(anyNumber(random), anyNumber(random), anyNumber(random)),
                                    Vec3::UnitX(), 0.2f, 32, 0.02f, random));
-  Simulation simulation = laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kDrag));
+  Simulation simulation =
+      laboratory.simulation(modelOf(strands), {}, laboratory.parameters(kRate, kStressDrag));
   simulation.teleport(there);
   double stretch = 0;
   const auto look = [&] { stretch = worse(stretch, stretchOf(simulation)); };
@@ -403,7 +406,7 @@ std::vector<Case> farAway(const Laboratory& laboratory) {
 constexpr const char* kRefused = "input that is not finite: refused";
 
 std::vector<Case> refused(const Laboratory& laboratory) {
-  const Parameters parameters = laboratory.parameters(kRate, kDrag);
+  const Parameters parameters = laboratory.parameters(kRate, kStressDrag);
   const auto made = [&] {
     return laboratory.simulation(modelOf({straightStrand(0.25, kEdges, Vec3::UnitX())}), parameters);
   };
@@ -457,7 +460,7 @@ std::vector<Case> resets(const Laboratory& laboratory) {
   Simulation simulation = laboratory.simulation(
       modelOf({straightStrand(0.25, kEdges, Vec3::UnitX()), helixStrand(0.01, 0.01, 0.2, kEdges),
                straightStrand(0.2, kEdges, Vec3::UnitZ())}),
-      laboratory.parameters(kRate, kDrag));
+      laboratory.parameters(kRate, kStressDrag));
   const StrandState rest = simulation.state();
   laboratory.advance(simulation, 1);
   const std::vector<uint32_t>& offsets = simulation.model().offsets;
@@ -492,7 +495,7 @@ void addGuardExperiments(std::vector<Experiment>& experiments) {
   add("64 substeps of steps of 1/2000 s all the time, shaken", "64 substeps of 1/2000 s", shortestSubsteps);
   add("time steps of 1/30 to 1/2000 s by turns, shaken", "changing time steps", timeSteps);
   add("1 to 64 substeps of steps of 1/60 s by turns, shaken", "changing substeps", substeps);
-  add("internal damping of 0.1 s, shaken", "internal damping of 0.1 s", damped);
+  add("internal damping of 0.1 s, shaken", "internal damping of 0.1 s", dampedShake);
   add("ten vertices in one point, then all of them", "coincident vertices", coincident);
   experiments.push_back(
       {"100 strands of any shape, up to 1000 times as stiff as hair, shaken and carried away",

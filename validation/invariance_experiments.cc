@@ -44,11 +44,11 @@ double difference(const Shapes& a, const Shapes& b) {
 
 constexpr double kRates[] = {120, 240, 480, 960};
 
-constexpr const char* kStrands[] = {"straight", "helix"};
+constexpr const char* kRestStrands[] = {"straight", "helix"};
 
 std::vector<std::string> namesOfRestShape() {
   std::vector<std::string> names;
-  for (const std::string strand : kStrands)
+  for (const std::string strand : kRestStrands)
     names.insert(names.end(), {"time step " + strand, "air drag " + strand});
   return names;
 }
@@ -91,7 +91,7 @@ std::vector<Case> restShape(const Laboratory& laboratory) {
 
 std::vector<std::string> namesOfInternalDamping() {
   std::vector<std::string> names;
-  for (const std::string strand : kStrands) names.push_back("internal damping " + strand);
+  for (const std::string strand : kRestStrands) names.push_back("internal damping " + strand);
   return names;
 }
 

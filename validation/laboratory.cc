@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "validation/case.h"
+#include "validation/suite.h"
 
 namespace strandcast {
 

@@ -2,6 +2,7 @@
 #include <random>
 #include <vector>
 
+#include "core/geometry.h"
 #include "core/simulation.h"
 
 namespace strandcast {
@@ -39,5 +40,16 @@ StrandModel headOfHair(int strands, double length, int edges, double bend);
 RigidBody headBody();
 
 constexpr double kGravity = 9.81;  ///< m/s^2, of every experiment with gravity
+
+/// Excitation of a root: translation along X and rotation about Z, in phase.
+struct Shake {
+  double reach = 0.1;  ///< m, amplitude along X
+  double shakes = 1;   ///< Hz, of the translation
+  double turns = 1;    ///< Hz, of the rotation by 45 degrees
+  double ramp = 0;     ///< s, smooth onset from rest; 0 = starts with a jump of the velocity
+};
+
+/// Pose of the root relative to rest, `time` s after the start.
+Pose shakenRoot(double time, const Shake& shake = {});
 
 }  // namespace strandcast

@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "apps/viewer/command_sender.h"
+#include "apps/viewer/session.h"
 #include "render/camera.h"
 
 namespace strandcast {

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
-#include "apps/field_slices.h"
-#include "apps/viewer/setting_widgets.h"
+#include "apps/viewer/widgets.h"
 #include "core/error.h"
+#include "service/slices.h"
 
 namespace strandcast {
 namespace {

@@ -3,13 +3,11 @@
 #include <optional>
 #include <string>
 
-#include "apps/picture_settings.h"
 #include "apps/viewer/hair_tool.h"
-#include "apps/viewer/image_texture.h"
-#include "apps/viewer/network_list.h"
-#include "apps/viewer/plots.h"
 #include "apps/viewer/session.h"
+#include "apps/viewer/widgets.h"
 #include "core/distance_field.h"
+#include "options/picture_settings.h"
 #include "render/renderer.h"
 
 namespace strandcast {

@@ -1,9 +1,102 @@
 #include "apps/viewer/session.h"
 
-#include "apps/stream_recording.h"
+#include <algorithm>
+#include <chrono>
+
 #include "core/error.h"
+#include "service/daemon.h"
+#include "service/network.h"
+#include "service/stream.h"
 
 namespace strandcast {
+namespace {
+
+constexpr std::chrono::seconds kPatience{5};
+
+}  // namespace
+
+CommandSender::CommandSender(Subscriber& subscriber) : subscriber_(subscriber), thread_([this] { run(); }) {}
+
+CommandSender::~CommandSender() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+uint64_t CommandSender::send(CommandKind kind, const std::string& name, std::vector<double> values) {
+  Command command;
+  const uint64_t id = newSession();
+  command.id = id;
+  command.kind = kind;
+  command.name = name;
+  command.values = std::move(values);
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(queue_, [&](const Command& other) {
+      return other.kind == kind && other.name == name && kind != CommandKind::kStep;
+    });
+    queue_.push_back(std::move(command));
+  }
+  changed_.notify_all();
+  return id;
+}
+
+size_t CommandSender::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return queue_.size() + (asking_ ? 1 : 0);
+}
+
+std::vector<CommandOutcome> CommandSender::takeOutcomes() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(outcomes_, {});
+}
+
+void CommandSender::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [&] { return stop_ || !queue_.empty(); });
+    if (stop_) return;
+    const Command command = queue_.front();
+    queue_.pop_front();
+    asking_ = true;
+    lock.unlock();
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    CommandOutcome outcome{command.id, command.kind, command.name, "the daemon did not answer"};
+    try {
+      const auto answer = ask(subscriber_, command, [&] {
+        const std::lock_guard stopping(mutex_);
+        return stop_ || std::chrono::steady_clock::now() > deadline;
+      });
+      if (answer) outcome.refusal = *answer;
+    } catch (const Error& error) {
+      outcome.refusal = error.what();
+    }
+    lock.lock();
+    asking_ = false;
+    outcomes_.push_back(std::move(outcome));
+  }
+}
+
+void NetworkList::listen() {
+  if (listens()) return;
+  problem_.clear();
+  joining_ = std::async(std::launch::async, [settings = settings_] { return subscribe(settings); });
+}
+
+std::vector<Status> NetworkList::daemons() {
+  if (joining_.valid() && joining_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    try {
+      subscriber_ = joining_.get();
+    } catch (const Error& error) {
+      problem_ = error.what();
+    }
+  }
+  return subscriber_ ? subscriber_->allStatuses() : std::vector<Status>{};
+}
+
 namespace {
 
 constexpr int kSliceSize = 192;  // pixels

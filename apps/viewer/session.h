@@ -1,19 +1,78 @@
+// The viewer's stream: commands to its daemon, other daemons on the network, slices and recordings.
 #pragma once
 #include <atomic>
+#include <condition_variable>
+#include <deque>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
-#include "apps/air_slices.h"
-#include "apps/channel.h"
-#include "apps/presets.h"
-#include "apps/viewer/command_sender.h"
+#include "options/presets.h"
+#include "options/settings.h"
+#include "service/slices.h"
+#include "service/stream.h"
+#include "transport/subscriber.h"
 
 namespace strandcast {
+
+/// The outcome of a command.
+struct CommandOutcome {
+  uint64_t id;
+  CommandKind kind;
+  std::string name;
+  std::string refusal;  ///< empty on success
+};
+
+/// Sends commands from its own thread, one after the other, each until the daemon has answered. A queued
+/// command is replaced by a newer one of the same kind and name: a slider that is dragged sends its newest
+/// value.
+class CommandSender {
+ public:
+  explicit CommandSender(Subscriber& subscriber);  ///< must outlive this
+  ~CommandSender();
+
+  /// Returns the command's id.
+  uint64_t send(CommandKind kind, const std::string& name, std::vector<double> values);
+  /// Number of commands without an answer.
+  size_t waiting() const;
+  /// Outcomes since the last call.
+  std::vector<CommandOutcome> takeOutcomes();
+
+ private:
+  void run();
+
+  Subscriber& subscriber_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Command> queue_;
+  bool asking_ = false, stop_ = false;
+  std::vector<CommandOutcome> outcomes_;
+  std::thread thread_;
+};
+
+/// The daemons on a network. Listening starts in the background on the first call of listen().
+class NetworkList {
+ public:
+  /// Listens on the network of these settings.
+  explicit NetworkList(const Settings& settings) : settings_(settings) {}
+  void listen();
+  bool listens() const { return subscriber_ != nullptr || joining_.valid(); }
+  /// The newest status of each daemon; empty until one was heard.
+  std::vector<Status> daemons();
+  const std::string& problem() const { return problem_; }  ///< why listening failed; empty otherwise
+
+ private:
+  const Settings settings_;
+  std::future<std::unique_ptr<Subscriber>> joining_;
+  std::unique_ptr<Subscriber> subscriber_;
+  std::string problem_;
+};
 
 /// The slice through the air that the viewer shows.
 struct SliceRequest {

@@ -1,24 +1,43 @@
-#include "apps/viewer/viewer.h"
-
+// The verb `view`: its options, and the loop of its window.
 #include <fmt/format.h>
 #include <imgui/imgui.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <future>
+#include <memory>
+#include <string>
 
-#include "apps/console.h"
-#include "apps/hair_obstacles.h"
-#include "apps/interrupt.h"
-#include "apps/stream_scene.h"
+#include "apps/cli/verbs.h"
 #include "apps/viewer/panel.h"
 #include "apps/viewer/window.h"
 #include "core/error.h"
 #include "io/image.h"
+#include "options/console.h"
+#include "options/number_range.h"
+#include "options/picture_options.h"
+#include "options/picture_scene.h"
+#include "options/picture_settings.h"
+#include "options/settings.h"
+#include "service/stream.h"
+#include "transport/subscriber.h"
 
 namespace strandcast {
+
+/// The options of `strandcast view`.
+struct ViewerOptions {
+  Settings settings;
+  bool here = false;  ///< simulate in this process
+  PictureOptions picture;
+  double timeout = 20;  ///< s, to wait for a daemon
+  double max_fps = 0;   ///< pictures per second at most; 0 = the display's rate
+  Playout playout = Playout::kSmooth;
+  std::string preset_file = "preset.toml";
+};
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -276,6 +295,46 @@ class Viewer {
 
 }  // namespace
 
+/// Runs the window until it is closed or settings.duration has passed; returns the program's exit code.
+/// Throws Error.
 int runViewer(const ViewerOptions& options) { return Viewer(options).run(); }
+
+Verb addView(CLI::App& app) {
+  const auto o = std::make_shared<ViewerOptions>();
+  const auto settings = std::make_shared<std::unique_ptr<SettingsOptions>>();
+  app.footer(
+      "Drag with the left button to orbit, scroll to zoom; the panel has everything else. Keys: Space pauses "
+      "the simulation, . takes a single step, R resets the hair, P takes a screenshot, 1 to 5 choose what "
+      "dragging does (orbit, move head, turn head, pull, comb), Tab hides the panel, Escape quits.\n"
+      "With --scene, --groom or --config the simulation runs inside this process; without them, the verb "
+      "draws a daemon's stream. For a simulation in this process the panel \"Air\" draws slices through the "
+      "grids of wind and hair.");
+  app.add_option("--timeout", o->timeout, "seconds to wait for a daemon")
+      ->check(finiteRange(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_option_function<std::string>(
+         "--playout",
+         [o](const std::string& name) {
+           o->playout = name == "latest" ? Playout::kLatest : Playout::kSmooth;
+         },
+         "smooth: interpolated motion, one frame late; latest: the newest frame on arrival")
+      ->check(CLI::IsMember({"smooth", "latest"}))
+      ->default_str("smooth");
+  app.add_option("--max-fps", o->max_fps, "limit of pictures per second; 0 = the display's refresh rate")
+      ->check(finiteRange(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--preset-file", o->preset_file, "preset that the panel saves and loads")
+      ->capture_default_str();
+  addPictureOptions(app, o->picture);
+  *settings = std::make_unique<SettingsOptions>(app);
+  return [o, settings] {
+    (*settings)->refuseWithoutScene();
+    (*settings)->warnOfUnusedNetwork();
+    warnOfUnusedPictureOptions(o->picture);
+    o->settings = (*settings)->resolve();
+    o->here = (*settings)->namesScene();
+    return runViewer(*o);
+  };
+}
 
 }  // namespace strandcast

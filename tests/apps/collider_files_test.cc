@@ -1,11 +1,12 @@
 // Colliders that a daemon makes from mesh files by command, over the in-process channel.
-#include "apps/collider_files.h"
+#include "service/colliders.h"
+#include "service/daemon.h"
 
 #include <CLI/CLI.hpp>
 #include <fstream>
 
-#include "apps/channel.h"
-#include "apps/resimulation.h"
+#include "options/scene_loading.h"
+#include "service/replay.h"
 #include "tests/apps/daemon_fixture.h"
 #include "tests/collision/shapes.h"
 #include "tests/expect_error.h"

@@ -2,8 +2,8 @@
 
 #include <random>
 
-#include "apps/settings.h"
 #include "core/error.h"
+#include "options/settings.h"
 #include "tests/expect_error.h"
 
 namespace strandcast {

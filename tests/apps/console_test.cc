@@ -1,10 +1,10 @@
-#include "apps/console.h"
+#include "options/console.h"
 
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
 
-#include "apps/hair_estimate.h"
+#include "options/scene_loading.h"
 
 namespace strandcast {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/daemon.h"
 #include "scenes/scene.h"
+#include "service/daemon.h"
 #include "transport/in_process.h"
 
 namespace strandcast {

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "apps/backends.h"
+#include "service/scene_simulation.h"
 #include "tests/expect_error.h"
 #include "transport/commands.h"
 #include "transport/parameter_table.h"

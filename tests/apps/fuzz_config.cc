@@ -1,8 +1,8 @@
 #include <cstdint>
 #include <string>
 
-#include "apps/settings.h"
 #include "core/error.h"
+#include "options/settings.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   strandcast::Settings settings;

@@ -1,4 +1,4 @@
-#include "apps/number_range.h"
+#include "options/number_range.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // The obstacles that programs pass to a renderer for a stream, for each scene.
-#include "apps/hair_obstacles.h"
+#include "options/picture_scene.h"
 
-#include "apps/picture_options.h"
 #include "collision/field_bake.h"
+#include "options/picture_settings.h"
 #include "tests/collision/shapes.h"
 #include "tests/render/offscreen.h"
 

@@ -1,4 +1,4 @@
-#include "apps/output_folder.h"
+#include "options/output_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Films are made by scripts named ffmpeg that imitate its success and its failures.
-#include "apps/picture_folder.h"
+#include "options/output_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <fstream>
 #include <thread>
 
-#include "apps/interrupt.h"
 #include "core/error.h"
+#include "options/console.h"
 #include "tests/expect_error.h"
 
 namespace strandcast {

@@ -1,12 +1,11 @@
-#include "apps/presets.h"
+#include "options/presets.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "apps/picture_arguments.h"
-#include "apps/unused_picture_options.h"
 #include "core/error.h"
+#include "options/picture_options.h"
 #include "tests/expect_error.h"
 #include "tests/full_disk.h"
 #include "tests/io/scratch_folder.h"

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "apps/shake_trial.h"
 #include "core/sag_free.h"
 #include "core/simulation.h"
 #include "groom/groom.h"
 #include "groom/groom_operations.h"
 #include "scenes/scene.h"
+#include "service/shake_trial.h"
 #include "simd/simd_backend.h"
 #include "tests/real_data.h"
 

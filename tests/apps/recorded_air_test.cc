@@ -1,5 +1,5 @@
 // Grids of a simulation as a recording stores them.
-#include "apps/recorded_air.h"
+#include "service/recorded_air.h"
 
 #include <gtest/gtest.h>
 

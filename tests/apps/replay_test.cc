@@ -1,5 +1,6 @@
 // Replays of recordings over the in-process channel.
-#include "apps/replay.h"
+#include "service/replay.h"
+#include "service/daemon.h"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +12,11 @@
 #include <set>
 #include <thread>
 
-#include "apps/channel.h"
-#include "apps/resimulation.h"
 #include "core/error.h"
 #include "io/file_bytes.h"
 #include "io/groom_file.h"
+#include "options/scene_loading.h"
+#include "service/network.h"
 #include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/io/skinned_arm.h"

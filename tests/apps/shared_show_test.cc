@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
-#include "apps/daemon.h"
-#include "apps/show_fingerprint.h"
+#include "service/daemon.h"
+#include "service/show_fingerprint.h"
 #include "tests/collision/shapes.h"
 #include "tests/io/scratch_folder.h"
 #include "transport/parameter_table.h"

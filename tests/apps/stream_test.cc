@@ -1,13 +1,11 @@
 // Functions that programs which draw or record a stream rely on.
 #include <csignal>
 
-#include "apps/answer_wait.h"
-#include "apps/channel.h"
-#include "apps/frame_capture.h"
-#include "apps/interrupt.h"
-#include "apps/stream_recording.h"
-#include "apps/stream_scene.h"
 #include "core/error.h"
+#include "options/console.h"
+#include "service/commands.h"
+#include "service/network.h"
+#include "service/stream.h"
 #include "tests/apps/daemon_fixture.h"
 #include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"

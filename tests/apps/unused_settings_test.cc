@@ -1,5 +1,5 @@
 // Settings that others make void, given by options and by files.
-#include "apps/unused_settings.h"
+#include "options/settings.h"
 
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>

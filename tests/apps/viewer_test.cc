@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "apps/presets.h"
 #include "io/image.h"
+#include "options/presets.h"
 #include "tests/apps/program_fixture.h"
 #include "tests/transport/dds_domain.h"
 #include "transport/recording/recording.h"

@@ -1,8 +1,8 @@
 // A daemon's wind sources, over the in-process channel.
-#include "apps/wind_control.h"
 #include "air/air_system.h"
-#include "apps/command_limits.h"
 #include "core/error.h"
+#include "service/commands.h"
+#include "service/controls.h"
 #include "tests/air/wide_fan.h"
 #include "tests/apps/daemon_fixture.h"
 #include "transport/parameter_table.h"

@@ -29,12 +29,20 @@ const std::map<std::string, Folders> kAllowed = {
     {"io", {"core", "kernels"}},
     {"groom", {"core", "kernels", "io"}},
     {"scenes", {"core", "kernels", "collision", "io", "groom"}},
-    {"validation", {"core", "kernels", "air", "collision"}},
     {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "io", "groom", "transport", "gl"}},
+    {"options", {"core", "kernels", "air", "collision", "io", "groom", "scenes", "transport", "render"}},
+    {"service",
+     {"core", "kernels", "simd", "air", "gpu_compute", "collision", "io", "groom", "scenes", "transport",
+      "options"}},
+    {"validation",
+     {"core", "kernels", "air", "gl", "collision", "scenes", "transport", "render", "options", "service"}},
+    {"bench",
+     {"core", "kernels", "simd", "air", "gl", "gpu_compute", "collision", "io", "groom", "scenes",
+      "transport", "render", "options", "service", "validation"}},
     {"examples", {"core", "kernels", "transport"}},
 };
-const Folders kAnything = {"apps", "bench", "tests"};
+const Folders kAnything = {"apps", "tests"};
 
 // A library whose headers only the named folders may include.
 struct Confined {

@@ -6,9 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "bench/measured_copy.h"
-#include "bench/measured_run.h"
-#include "bench/operation_count.h"
+#include "bench/bench_simulation.h"
+#include "bench/machine.h"
 #include "simd/simd_kernels.h"
 
 namespace strandcast {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "bench/bullet_ropes.h"
-#include "bench/peer_ratio.h"
+#include "bench/report.h"
 #include "tests/bench/bench_program.h"
 
 namespace strandcast {

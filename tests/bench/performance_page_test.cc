@@ -1,12 +1,11 @@
-#include "bench/performance_page.h"
+#include "bench/report.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
 
-#include "bench/headlines.h"
-#include "bench/text_file.h"
+#include "bench/table.h"
 #include "core/error.h"
 
 namespace strandcast {

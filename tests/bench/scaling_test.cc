@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "bench/power_law.h"
+#include "bench/report.h"
 #include "simd/simd_backend.h"
 #include "tests/bench/bench_program.h"
 #include "transport/dds.h"

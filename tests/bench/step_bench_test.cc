@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "bench/table.h"
-#include "bench/text_file.h"
 #include "gpu_compute/gpu_backend.h"
 #include "simd/simd_backend.h"
 #include "tests/bench/bench_program.h"

@@ -1,4 +1,4 @@
-#include "bench/svg_plot.h"
+#include "bench/plots.h"
 
 #include <gtest/gtest.h>
 

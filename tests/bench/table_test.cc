@@ -2,10 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/build_commit.h"
+#include "bench/bench_simulation.h"
 #include "bench/counted_memory.h"
 #include "bench/machine.h"
-#include "bench/measured_run.h"
 #include "core/error.h"
 #include "core/quantile.h"
 

@@ -8,7 +8,7 @@
 
 #include "core/simulation.h"
 #include "kernels/scalar_double.h"
-#include "validation/elastica.h"
+#include "validation/rest_shapes.h"
 #include "validation/specimen.h"
 
 namespace strandcast {

@@ -8,8 +8,8 @@
 #include <functional>
 #include <random>
 
-#include "apps/colliders.h"
 #include "sample_messages.h"
+#include "service/colliders.h"
 #include "tests/scenes/furry_arm.h"
 #include "transport/assembler.h"
 #include "transport/body_binding.h"

@@ -5,14 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "validation/beam_modes.h"
-#include "validation/catenary.h"
-#include "validation/elastica.h"
-#include "validation/hanging_chain.h"
-#include "validation/hung_rod.h"
-#include "validation/oscillation.h"
-#include "validation/pendulum.h"
-#include "validation/wind_elastica.h"
+#include "validation/rest_shapes.h"
+#include "validation/vibrations.h"
 
 namespace strandcast {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/parameters.h"
-#include "validation/shaken_root.h"
+#include "validation/specimen.h"
 
 namespace strandcast {
 

@@ -1,0 +1,81 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace strandcast {
+
+/// Set by SIGINT and SIGTERM instead of ending the process; loops poll it and end cleanly.
+extern std::atomic<bool> g_interrupted;
+/// Installs the signal handlers.
+void catchInterrupts();
+
+}  // namespace strandcast
+
+namespace CLI {
+class App;
+}
+
+namespace strandcast {
+
+/// Exit codes of every program; 0 is success.
+constexpr int kExitCheckFailed = 1;
+constexpr int kExitBadInput = 2;
+constexpr int kExitInterrupted = 130;
+
+/// Ctrl-C came before there was anything to close. Thrown up to runProgram().
+struct Interrupted {};
+
+/// Serialises on one line. Bytes of names that are not valid UTF-8, e.g. of files, become U+FFFD.
+std::string jsonText(const nlohmann::json& value);
+
+/// A progress bar on standard error; silent where that is not a terminal.
+class ProgressBar {
+ public:
+  ProgressBar();
+  ~ProgressBar();
+  /// `part`: progress, 0 to 1.
+  void show(const std::string& what, double part);
+  /// Erases the bar until the next show(), so that other lines can be printed.
+  void clear();
+
+ private:
+  bool shown_ = false;
+  bool terminal_ = false;
+};
+
+/// Named values, printed as a table for people or as one JSON object.
+class Report {
+ public:
+  /// `key`: in JSON. `label`: in the table.
+  void add(const std::string& key, const std::string& label, const std::string& text);
+  void add(const std::string& key, const std::string& label, double value, const std::string& unit,
+           int digits);
+  void addCount(const std::string& key, const std::string& label, uint64_t value);
+  void print(bool json) const;  ///< to standard output
+
+ private:
+  struct Row {
+    std::string key, label, text, json;
+  };
+  std::vector<Row> rows_;
+};
+
+/// The exit code of a program; 2, with a line on standard error, where standard output could not be written.
+/// A closed pipe (`| head`) is not a failure.
+int withOutputWritten(int exit_code);
+
+/// Parses a program's arguments into `app`. Returns an exit code where the program must end: after help, or
+/// on an unknown argument.
+std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* argv);
+
+/// Runs a program's body. An Error or another exception becomes one line on standard error and exit code 2;
+/// Interrupted or BakeStopped exit code 130; otherwise as withOutputWritten().
+int runProgram(const std::function<int()>& body);
+
+}  // namespace strandcast

@@ -1,0 +1,212 @@
+#include "service/controls.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "air/air_system.h"
+#include "core/error.h"
+#include "core/name_lookup.h"
+#include "core/smooth_step.h"
+#include "service/commands.h"
+
+namespace strandcast {
+namespace {
+
+bool isSame(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
+HeadMotion rampTo(const Pose& from, const Pose& to) {
+  return [=](double seconds) { return poseBetween(from, to, seconds, kRampSeconds); };
+}
+
+/// Blends from the pose `from` into a motion, over kRampSeconds.
+HeadMotion rampInto(HeadMotion motion, const Pose& from) {
+  return [motion = std::move(motion), way = rampTo(from, {})](double seconds) {
+    return way(seconds) * motion(seconds);
+  };
+}
+
+}  // namespace
+
+bool HeadControl::operator==(const HeadControl& other) const {
+  return kind == other.kind && name == other.name && start == other.start && isSame(from, other.from) &&
+         isSame(to, other.to);
+}
+
+Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of) {
+  return interpolate(from, to, static_cast<float>(easedFraction(seconds, of)));
+}
+
+HeadMotion motionOf(const HeadControl& control, const HeadMotion& scene, const Vec3& pivot) {
+  switch (control.kind) {
+    case HeadControl::Kind::kNamed:
+      return rampInto(proceduralMotion(control.name, pivot), control.from);
+    case HeadControl::Kind::kPose:
+      return rampTo(control.from, control.to);
+    case HeadControl::Kind::kScene:
+      break;
+  }
+  return scene;
+}
+
+namespace {
+
+/// Calls `number` with each number of these parts of a source, in the order of the wire format.
+template <class Source, class Number>
+void sourceNumbers(Source& source, WindSourceParts parts, const Number& number) {
+  for (int c = 0; c < 3 && (parts & kSourcePosition) != 0; ++c) number(source.position[c]);
+  for (int c = 0; c < 3 && (parts & kSourceDirection) != 0; ++c) number(source.direction[c]);
+  for (const WindSourceNumber& known : windSourceNumbers())
+    if ((parts & known.part) != 0) number(source.*known.into);
+}
+
+/// Reads a source from a command's values after the first `before`. Throws Error where their count differs.
+void readSource(const std::vector<double>& values, size_t before, WindSourceParts parts, WindSource& source,
+                const std::string& where) {
+  size_t next = before;
+  sourceNumbers(source, parts, [&](float& into) {
+    if (next < values.size()) into = static_cast<float>(values[next]);
+    ++next;
+  });
+  if (values.size() != next)
+    throw Error(fmt::format("this source of wind takes {} numbers, not {}", next, values.size()), where,
+                "see Command in docs/wire.md");
+  checkWindSource(source, where);
+}
+
+void checkPlace(const WindSource& source, const std::string& where) {
+  if (!(source.position.cwiseAbs().maxCoeff() <= float{kFarthestPlace}))
+    throw Error("the position of a source of wind is too far away", where,
+                fmt::format("give x y z in metres, each within {}", kFarthestPlace));
+}
+
+}  // namespace
+
+std::vector<double> windSourceValues(const WindSource& source) {
+  std::vector<double> values = {static_cast<double>(source.kind)};
+  sourceNumbers(source, kAllSourceParts, [&](float number) { values.push_back(double{number}); });
+  return values;
+}
+
+WindSource windSourceOf(const std::vector<double>& values, const std::string& where) {
+  const double kind = values.empty() ? -1 : values[0];
+  constexpr double kLastKind = static_cast<double>(WindSource::Kind::kTurbine);
+  if (kind != std::floor(kind) || !(kind >= 0 && kind <= kLastKind))
+    throw Error("unknown kind of wind source", where, "0 is a cone, 1 a sphere, 2 a turbine");
+  WindSource source;
+  source.kind = static_cast<WindSource::Kind>(static_cast<int>(kind));
+  readSource(values, 1, kAllSourceParts, source, where);
+  return source;
+}
+
+std::vector<double> windMoveValues(const WindSource& to, WindSourceParts parts, double seconds) {
+  std::vector<double> values = {static_cast<double>(parts), seconds};
+  sourceNumbers(to, parts, [&](float number) { values.push_back(double{number}); });
+  return values;
+}
+
+NamedWindSource& WindControl::find(const std::string& name, const std::string& where) {
+  std::vector<std::string> names;
+  for (NamedWindSource& known : sources_) {
+    if (known.name == name) return known;
+    names.push_back(known.name);
+  }
+  const std::string near = didYouMean(name, names);
+  const std::string there =
+      names.empty() ? "no source exists" : fmt::format("known sources: {}", fmt::join(names, ", "));
+  throw Error("unknown source of wind '" + name + "'", where, near.empty() ? there : near);
+}
+
+void WindControl::replace(std::vector<NamedWindSource> sources, const std::string& where) {
+  AirSystem* const air = airSystem(simulation_.externalForces());
+  if (air == nullptr)
+    throw Error("this backend does not support wind sources", where,
+                "choose --backend simd, gpu or reference");
+  air->setSources(withoutNames(sources));
+  try {
+    simulation_.setParameters(simulation_.parameters());  // re-evaluates whether air is needed
+  } catch (const Error&) {
+    air->setSources(withoutNames(sources_));
+    throw;
+  }
+  sources_ = std::move(sources);
+}
+
+void WindControl::add(const Command& command, const std::string& where) {
+  checkWindSourceName(command.name, where);
+  for (const NamedWindSource& known : sources_)
+    if (known.name == command.name)
+      throw Error("a source of wind has the same name: '" + command.name + "'", where,
+                  "give it a unique name, or move the existing source");
+  if (sources_.size() >= kMaxWindSources)
+    throw Error(fmt::format("{} sources of wind exist, the most that a daemon takes", sources_.size()), where,
+                "remove one first");
+  std::vector<NamedWindSource> sources = sources_;
+  sources.push_back({command.name, windSourceOf(command.values, where)});
+  checkPlace(sources.back().source, where);
+  replace(std::move(sources), where);
+}
+
+void WindControl::move(const Command& command, const std::string& where) {
+  const NamedWindSource& known = find(command.name, where);
+  const std::vector<double>& v = command.values;
+  if (v.size() < 2 || v[0] != std::floor(v[0]) || v[0] < 1 || v[0] > kAllSourceParts)
+    throw Error("a wind source move names no valid parts", where,
+                "give the sum of the parts' bits, the seconds, and the values of the parts");
+  if (!(v[1] >= 0 && v[1] <= kLongestWay))
+    throw Error(fmt::format("a move of a source of wind takes 0 to {:g} s", kLongestWay), where, "");
+  const auto parts = static_cast<WindSourceParts>(v[0]);
+  if ((parts & partsOf(known.source.kind)) == 0)
+    throw Error(fmt::format("a {} has no {}", windSourceKindName(known.source.kind),
+                            unusedParts(known.source.kind, parts)),
+                where, "move a value that this kind has");
+  WindSource to = known.source;
+  readSource(v, 2, parts, to, where);
+  if ((parts & kSourcePosition) != 0) checkPlace(to, where);
+  for (Ramp& way : tweens_)
+    if (way.name == command.name) way.parts &= ~parts;  // the other parts keep moving
+  std::erase_if(tweens_, [](const Ramp& way) { return way.parts == 0; });
+  tweens_.push_back({command.name, parts, known.source, to, simulation_.time(), v[1]});
+}
+
+void WindControl::remove(const Command& command, const std::string& where) {
+  find(command.name, where);
+  std::vector<NamedWindSource> left = sources_;
+  std::erase_if(left, [&](const NamedWindSource& known) { return known.name == command.name; });
+  replace(std::move(left), where);
+  std::erase_if(tweens_, [&](const Ramp& way) { return way.name == command.name; });
+}
+
+void WindControl::restoreFrom(std::vector<NamedWindSource> sources, std::vector<Ramp> tweens,
+                              const std::string& where) {
+  for (const NamedWindSource& source : sources) {
+    checkWindSourceName(source.name, where);
+    checkWindSource(source.source, where);
+  }
+  if (sources.size() > kMaxWindSources)
+    throw Error(fmt::format("{} sources of wind are too many", sources.size()), where, "remove some");
+  const auto valuesOf = [](const std::vector<NamedWindSource>& all) {
+    std::vector<std::pair<std::string, std::vector<double>>> values;
+    for (const auto& [name, source] : all) values.emplace_back(name, windSourceValues(source));
+    return values;
+  };
+  if (valuesOf(sources) != valuesOf(sources_)) replace(std::move(sources), where);
+  tweens_ = std::move(tweens);
+}
+
+void WindControl::advance(double time) {
+  if (tweens_.empty()) return;
+  for (const Ramp& way : tweens_) {
+    const auto part = static_cast<float>(easedFraction(time - way.start, way.seconds));
+    for (NamedWindSource& moved : sources_)
+      if (moved.name == way.name) copyParts(moved.source, between(way.from, way.to, part), way.parts);
+  }
+  std::erase_if(tweens_, [&](const Ramp& way) { return time - way.start >= way.seconds; });
+  airSystem(simulation_.externalForces())->setSources(withoutNames(sources_));
+}
+
+}  // namespace strandcast
