@@ -2,7 +2,7 @@
 // metres, negative inside; `normal` is a unit vector that points out of the body. docs/solver.md, "Contact", has the
 // design.
 
-FN real sphereDistance(IN(real3) p, IN(real3) centre, IN(real) radius, OUT(real3) normal) {
+LANE_FN real sphereDistance(LANE_IN(real3) p, LANE_IN(real3) centre, LANE_IN(real) radius, LANE_OUT(real3) normal) {
   real3 d = p - centre;
   real l = length(d);
   mask at_centre = l < lit(1e-12);
@@ -12,7 +12,8 @@ FN real sphereDistance(IN(real3) p, IN(real3) centre, IN(real) radius, OUT(real3
 }
 
 // Capsule from a to b; with a = b a sphere. `along`: position of the nearest point on the axis, 0 at a to 1 at b.
-FN real capsuleDistance(IN(real3) p, IN(real3) a, IN(real3) b, IN(real) radius, OUT(real3) normal, OUT(real) along) {
+LANE_FN real capsuleDistance(LANE_IN(real3) p, LANE_IN(real3) a, LANE_IN(real3) b, LANE_IN(real) radius, LANE_OUT(real3) normal,
+                             LANE_OUT(real) along) {
   real3 axis = b - a;
   real l2 = dot(axis, axis);
   mask point = l2 < lit(1e-24);
@@ -21,7 +22,7 @@ FN real capsuleDistance(IN(real3) p, IN(real3) a, IN(real3) b, IN(real) radius, 
 }
 
 // Half space behind the plane through `point` with unit normal `n`.
-FN real planeDistance(IN(real3) p, IN(real3) point, IN(real3) n, OUT(real3) normal) {
+LANE_FN real planeDistance(LANE_IN(real3) p, LANE_IN(real3) point, LANE_IN(real3) n, LANE_OUT(real3) normal) {
   normal = n;
   return dot(p - point, n);
 }
@@ -29,8 +30,8 @@ FN real planeDistance(IN(real3) p, IN(real3) point, IN(real3) n, OUT(real3) norm
 // Convex hull of a ball of `radius` about a and one of `radius_b` about b (a round cone). If one ball contains the
 // other, or a = b, it is the larger ball. The normal through p meets the axis at `along`, 0 at a to 1 at b; there it
 // makes the cone's half angle with the plane across the axis.
-FN real taperedCapsuleDistance(IN(real3) p, IN(real3) a, IN(real3) b, IN(real) radius, IN(real) radius_b, OUT(real3) normal,
-                               OUT(real) along) {
+LANE_FN real taperedCapsuleDistance(LANE_IN(real3) p, LANE_IN(real3) a, LANE_IN(real3) b, LANE_IN(real) radius,
+                                    LANE_IN(real) radius_b, LANE_OUT(real3) normal, LANE_OUT(real) along) {
   real3 axis = b - a;
   real l2 = dot(axis, axis);
   mask point = l2 < lit(1e-24);
@@ -47,7 +48,7 @@ FN real taperedCapsuleDistance(IN(real3) p, IN(real3) a, IN(real3) b, IN(real) r
 }
 
 // Axis-aligned box about the origin; `extent`: half its edges.
-FN real boxDistance(IN(real3) p, IN(real3) extent, OUT(real3) normal) {
+LANE_FN real boxDistance(LANE_IN(real3) p, LANE_IN(real3) extent, LANE_OUT(real3) normal) {
   real3 q = makeReal3(abs(p.x), abs(p.y), abs(p.z)) - extent;
   real nearest = max(q.x, max(q.y, q.z));
   mask by_x = q.x >= max(q.y, q.z);
@@ -66,7 +67,7 @@ FN real boxDistance(IN(real3) p, IN(real3) extent, OUT(real3) normal) {
 // extent^2 p / (extent^2 + t) with the t that puts it on the surface (Eberly, "Distance from a point to an ellipse, an
 // ellipsoid, or a hyperellipsoid"). t is found by Newton's method on the reciprocal of the secular equation (More,
 // Sorensen 1983), from below. Units are the shortest half axis; t is measured from its pole.
-FN real ellipsoidDistance(IN(real3) p, IN(real3) extent, OUT(real3) normal) {
+LANE_FN real ellipsoidDistance(LANE_IN(real3) p, LANE_IN(real3) extent, LANE_OUT(real3) normal) {
   real least = min(extent.x, min(extent.y, extent.z));
   real scale = lit(1) / least;
   real3 e = extent * scale;
@@ -93,7 +94,8 @@ FN real ellipsoidDistance(IN(real3) p, IN(real3) extent, OUT(real3) normal) {
 // A convex body is the intersection of half spaces with unit normals n_i at distances d_i from the origin. Call this
 // for one plane after the other: `nearest` and `normal` belong to the plane of greatest distance so far; start with
 // -1e9 and any normal. Exact inside and in front of faces; in front of edges and corners a lower bound.
-FN void convexPlane(IN(real3) p, IN(real3) n, IN(real) d, INOUT(real) nearest, INOUT(real3) normal) {
+LANE_FN void convexPlane(LANE_IN(real3) p, LANE_IN(real3) n, LANE_IN(real) d, LANE_INOUT(real) nearest,
+                         LANE_INOUT(real3) normal) {
   real distance = dot(p, n) - d;
   mask nearer = distance > nearest;
   nearest = select(nearer, distance, nearest);
@@ -102,63 +104,66 @@ FN void convexPlane(IN(real3) p, IN(real3) n, IN(real) d, INOUT(real) nearest, I
 
 // Position, at the end of a substep, of a point of a rigid body; second order in the rotation. `a`: position of one
 // point of the body at the end, `a_motion`: its displacement, `turn`: rotation vector about it, radians.
-FN real3 carriedBy(IN(real3) point, IN(real3) a, IN(real3) a_motion, IN(real3) turn) {
+LANE_FN real3 carriedBy(LANE_IN(real3) point, LANE_IN(real3) a, LANE_IN(real3) a_motion, LANE_IN(real3) turn) {
   real3 arm = (point - a) + a_motion;
   return a + arm + cross(turn, madd(cross(turn, arm), lit(0.5), arm));
 }
 
 // `force` without its component along the normal.
-FN real3 tangentialPart(IN(real3) force, IN(real3) normal) { return madd(normal, lit(0) - dot(force, normal), force); }
+LANE_FN real3 tangentialPart(LANE_IN(real3) force, LANE_IN(real3) normal) {
+  return madd(normal, lit(0) - dot(force, normal), force);
+}
 
 // Contact margin, m: a body does not press hair that is farther from it than this.
-FN real contactReach() { return lit(1e-3); }
+LANE_FN real contactReach() { return lit(1e-3); }
 // 1 on the surface and inside, falling linearly to 0 at contactReach().
-FN real nearness(IN(real) gap) { return clamp(madd(gap, lit(-1e3), lit(1)), lit(0), lit(1)); }
+LANE_FN real nearness(LANE_IN(real) gap) { return clamp(madd(gap, lit(-1e3), lit(1)), lit(0), lit(1)); }
 // Reach of a contact query, m. A query from where a vertex would move without forces finds the bodies within this
 // distance plus half of the vertex's displacement.
-FN real queryReach() { return lit(2e-3); }
+LANE_FN real queryReach() { return lit(2e-3); }
 // The contact cache is stale if the vertex ends the substep farther than queryReach() from its query point. The
 // resolution of penetration also queries again if the vertex is nearer than this to a contact plane, m.
-FN real requeryMargin() { return lit(5e-4); }
+LANE_FN real requeryMargin() { return lit(5e-4); }
 // An eighth of the scalp's assumed radius of curvature R, m.
-FN real scalpRadiusEighth() { return lit(0.0125); }
+LANE_FN real scalpRadiusEighth() { return lit(0.0125); }
 // Arc length, m, that a strand gets to leave a body in which its root is `root_depth` deeper than the root's clearance.
 // For large depths 4 times the depth: twice the length at 60 degrees to the shortest way, because the first edges are
 // stiff. For small depths more: if the shortest way leads into the scalp, the strand must run along the scalp, out of a
 // flat body by sqrt(2 R depth).
-FN real exitArcLength(IN(real) root_depth) {
+LANE_FN real exitArcLength(LANE_IN(real) root_depth) {
   real depth = max(root_depth, lit(0));
   return lit(4) * sqrt(depth * (depth + scalpRadiusEighth()));
 }
 // Inverse of exitArcLength(): the depth, m, for this arc length.
-FN real depthForExitArc(IN(real) arc_length) {
+LANE_FN real depthForExitArc(LANE_IN(real) arc_length) {
   return lit(0.5) *
          (sqrt(madd(arc_length * arc_length, lit(0.25), scalpRadiusEighth() * scalpRadiusEighth())) - scalpRadiusEighth());
 }
 // Clearance from that body of a vertex at this arc length from the root, m: `clear`, reduced where the strand is too
 // short to have left the body.
-FN real clearanceInReach(IN(real) clear, IN(real) root_depth, IN(real) arc_length) {
+LANE_FN real clearanceInReach(LANE_IN(real) clear, LANE_IN(real) root_depth, LANE_IN(real) arc_length) {
   return clear - max(exitArcLength(root_depth) - arc_length, lit(0)) * lit(0.5);
 }
 // Distance, m, by which two opposite planes with no room between them yield, so that the vertex ends in the middle. 0
 // for planes whose normals are more than 37 degrees from opposite: the vertex can leave between those. Full from 26
 // degrees on.
-FN real pinch(IN(real) gap, IN(real3) normal, IN(real) other_gap, IN(real3) other_normal) {
+LANE_FN real pinch(LANE_IN(real) gap, LANE_IN(real3) normal, LANE_IN(real) other_gap, LANE_IN(real3) other_normal) {
   real facing = clamp(madd(dot(normal, other_normal), lit(-10), lit(-8)), lit(0), lit(1));
   return max(lit(0) - (gap + other_gap), lit(0)) * lit(0.5) * facing;
 }
 // Depth to which exact lengths may push hair into a body, m.
-FN real contactSlack() { return lit(2e-5); }
+LANE_FN real contactSlack() { return lit(2e-5); }
 // Share of a substep's force correction by which the kept contact force (warm start) follows. At rest the correction is
 // zero. With a share of 1 an impact would be answered twice, by the surface and by the kept force, which adds energy.
-FN real contactFollows() { return lit(0.5); }
+LANE_FN real contactFollows() { return lit(0.5); }
 
 // Position of a vertex after Coulomb friction has reduced its slip. `x`: position; `carried`: position at the end of
 // the substep of the surface point that the vertex started from; `pressure`: normal force. Friction is at most friction
 // x pressure and only removes slip. `drag`: friction that has acted already; `total`: all of it; `slides`: the limit is
 // reached.
-FN real3 withFriction(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(real) pressure, IN(real) friction, IN(real) weight,
-                      IN(real3) drag, OUT(real3) total, OUT(mask) slides) {
+LANE_FN real3 withFriction(LANE_IN(real3) x, LANE_IN(real3) carried, LANE_IN(real3) normal, LANE_IN(real) pressure,
+                           LANE_IN(real) friction, LANE_IN(real) weight, LANE_IN(real3) drag, LANE_OUT(real3) total,
+                           LANE_OUT(mask) slides) {
   real3 slip = tangentialPart(x - carried, normal);
   real3 wanted = madd(slip, lit(0) - inverse(weight), drag);
   real amount = length(wanted), most = friction * pressure;
@@ -169,7 +174,7 @@ FN real3 withFriction(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(real)
 }
 // Projects `force` into the friction cone (Coulomb): normal forces only push, friction is at most friction x normal
 // force.
-FN real3 inFrictionCone(IN(real3) force, IN(real3) normal, IN(real) friction) {
+LANE_FN real3 inFrictionCone(LANE_IN(real3) force, LANE_IN(real3) normal, LANE_IN(real) friction) {
   real3 along = tangentialPart(force, normal);
   real pressure = max(dot(force, normal), lit(0));
   return madd(normal, pressure, along * min(friction * pressure / max(length(along), lit(1e-30)), lit(1)));
@@ -178,8 +183,8 @@ FN real3 inFrictionCone(IN(real3) force, IN(real3) normal, IN(real) friction) {
 // Contact of a single vertex at x, in units of length x mass (force x substep^2). `force`: contact force that has acted
 // in this substep; on return the force to keep. The vertex is moved by what that force lacked. `gap`: m, negative
 // inside; `carried`: as in withFriction().
-FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(real) gap, IN(real) friction, IN(real) weight,
-                        INOUT(real3) force) {
+LANE_FN real3 resolveContact(LANE_IN(real3) x, LANE_IN(real3) carried, LANE_IN(real3) normal, LANE_IN(real) gap,
+                             LANE_IN(real) friction, LANE_IN(real) weight, LANE_INOUT(real3) force) {
   real mass = inverse(weight);
   real held = max(dot(force, normal), lit(0));
   real pressure = max(held - gap * mass, lit(0)), kept = max(held - max(gap, lit(0)) * mass, lit(0));
@@ -197,8 +202,9 @@ FN real3 resolveContact(IN(real3) x, IN(real3) carried, IN(real3) normal, IN(rea
 // of x by forces. `follows`: share of the normal reaction that is kept for the next substep; `kept_friction`: friction that is
 // kept. At rest both are complete. The impulse that stops the strand's own velocity is not kept: impacts are not
 // warm-started.
-FN real3 positionOnSurface(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(real3) normal, IN(real) gap, IN(real) friction,
-                           IN(real) weight, IN(real3) force, OUT(real) follows, OUT(real3) kept_friction) {
+LANE_FN real3 positionOnSurface(LANE_IN(real3) x, LANE_IN(real3) carried, LANE_IN(real3) moved, LANE_IN(real3) normal,
+                                LANE_IN(real) gap, LANE_IN(real) friction, LANE_IN(real) weight, LANE_IN(real3) force,
+                                LANE_OUT(real) follows, LANE_OUT(real3) kept_friction) {
   real mass = inverse(weight);
   follows = select(gap < lit(0), clamp(dot(moved, normal) * contactFollows() / min(gap, lit(-1e-12)), lit(0), lit(1)), lit(1));
   real3 drag = tangentialPart(force, normal), total;
@@ -212,30 +218,37 @@ FN real3 positionOnSurface(IN(real3) x, IN(real3) carried, IN(real3) moved, IN(r
 // released, and the system is solved again without that force. This active-set iteration for the complementarity
 // problem of the substep (Moreau) makes at most kActiveSetIterations solves. docs/solver.md (26), (27).
 const int kActiveSetIterations = 8;
-FN mask isReleased(IN(real3) force, IN(real3) reaction, IN(real3) normal) { return dot(force + reaction, normal) < lit(0); }
+LANE_FN mask isReleased(LANE_IN(real3) force, LANE_IN(real3) reaction, LANE_IN(real3) normal) {
+  return dot(force + reaction, normal) < lit(0);
+}
 // A vertex that is not held and moves deeper than its position on the surface becomes held.
-FN mask becomesHeld(IN(real3) push, IN(real3) moved, IN(real3) normal) { return dot(moved - push, normal) < lit(0) - lit(1e-7); }
+LANE_FN mask becomesHeld(LANE_IN(real3) push, LANE_IN(real3) moved, LANE_IN(real3) normal) {
+  return dot(moved - push, normal) < lit(0) - lit(1e-7);
+}
 // Contact force of a held vertex to keep for the next substep, docs/solver.md (28).
-FN real3 heldForce(IN(real3) force, IN(real3) reaction, IN(real) follows, IN(real3) kept_friction, IN(real3) normal,
-                   IN(real) friction) {
+LANE_FN real3 heldForce(LANE_IN(real3) force, LANE_IN(real3) reaction, LANE_IN(real) follows, LANE_IN(real3) kept_friction,
+                        LANE_IN(real3) normal, LANE_IN(real) friction) {
   return inFrictionCone(madd(normal, dot(madd(reaction, follows, force), normal), kept_friction), normal, friction);
 }
 
 // End of an edge from `inner` to x after a rotation towards the nearest point of a contact plane; x is behind it
 // (`gap` < 0). A small gap never gives a large rotation.
-FN real3 rotatedTowardsPlane(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
+LANE_FN real3 rotatedTowardsPlane(LANE_IN(real3) x, LANE_IN(real3) inner, LANE_IN(real3) normal, LANE_IN(real) gap,
+                                  LANE_IN(real) edge_length) {
   return madd(directionOr(madd(normal, lit(0) - gap, x) - inner, normal), edge_length, inner);
 }
 // Gap that rotatedOntoPlane() removes from ends that are still inside after two rotations by rotatedTowardsPlane(). The decision
 // uses the least deep of x, the carried point and the inner end: the whole gap down to a depth of 2 mm, none from 3 mm
 // on. Otherwise rounding would decide to which side a deep end on a deep inner end jumps.
-FN real gapToRemove(IN(real3) x, IN(real3) inner, IN(real3) carried, IN(real3) normal, IN(real) gap) {
+LANE_FN real gapToRemove(LANE_IN(real3) x, LANE_IN(real3) inner, LANE_IN(real3) carried, LANE_IN(real3) normal,
+                         LANE_IN(real) gap) {
   real least = gap + max(max(dot(normal, carried - x), dot(normal, inner - x)), lit(0));
   return gap * clamp(madd(least, lit(1e3), lit(3)), lit(0), lit(1));
 }
 // Outer end of an edge from `inner` to x that is `gap` < 0 behind the plane with unit normal `normal`: the edge rotated
 // until its end lies in the plane, or as far out as its length allows.
-FN real3 rotatedOntoPlane(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(real) gap, IN(real) edge_length) {
+LANE_FN real3 rotatedOntoPlane(LANE_IN(real3) x, LANE_IN(real3) inner, LANE_IN(real3) normal, LANE_IN(real) gap,
+                               LANE_IN(real) edge_length) {
   real3 edge = x - inner;
   real rise = clamp((dot(edge, normal) - gap) * inverse(max(edge_length, lit(1e-12))), lit(-1), lit(1));
   real3 across = select(abs(normal.x) < lit(0.7), makeReal3(lit(0), normal.z, lit(0) - normal.y),
@@ -246,8 +259,9 @@ FN real3 rotatedOntoPlane(IN(real3) x, IN(real3) inner, IN(real3) normal, IN(rea
 // Same for two planes, which alternating rotations may never satisfy together: the end lies in both planes, on the side
 // along their crease where it is now. If the edge is too short for that, the end remains inside both in proportion to
 // the rises that they ask for.
-FN real3 rotatedIntoCrease(IN(real3) x, IN(real3) inner, IN(real3) first_carried, IN(real3) first, IN(real) first_gap,
-                           IN(real3) second_carried, IN(real3) second, IN(real) second_gap, IN(real) edge_length) {
+LANE_FN real3 rotatedIntoCrease(LANE_IN(real3) x, LANE_IN(real3) inner, LANE_IN(real3) first_carried, LANE_IN(real3) first,
+                                LANE_IN(real) first_gap, LANE_IN(real3) second_carried, LANE_IN(real3) second,
+                                LANE_IN(real) second_gap, LANE_IN(real) edge_length) {
   real3 edge = x - inner;
   real first_deep = min(first_gap, lit(0)), second_deep = min(second_gap, lit(0));
   real per_length = inverse(max(edge_length, lit(1e-12)));

@@ -16,12 +16,12 @@ struct FieldPlace {
   real3 outside;      // m, from the nearest point of the grid, to which all of the above belong
 };
 
-FN real3 floorBelow(IN(real3) a, IN(real3) end) {
+LANE_FN real3 floorBelow(LANE_IN(real3) a, LANE_IN(real3) end) {
   return makeReal3(min(floor(a.x), end.x - lit(1)), min(floor(a.y), end.y - lit(1)), min(floor(a.z), end.z - lit(1)));
 }
 
 // `origin`: low corner of the grid, m; `cell`: m; `bricks`: their number per axis.
-FN FieldPlace fieldPlace(IN(real3) p, IN(real3) origin, IN(real) cell, IN(real3) bricks) {
+LANE_FN FieldPlace fieldPlace(LANE_IN(real3) p, LANE_IN(real3) origin, LANE_IN(real) cell, LANE_IN(real3) bricks) {
   real3 size = bricks * lit(8);
   real3 wanted = (p - origin) * (lit(1) / cell);
   real3 at = makeReal3(clamp(wanted.x, lit(0), size.x), clamp(wanted.y, lit(0), size.y), clamp(wanted.z, lit(0), size.z));
@@ -39,8 +39,8 @@ FN FieldPlace fieldPlace(IN(real3) p, IN(real3) origin, IN(real) cell, IN(real3)
 }
 
 // Trilinear interpolant of eight samples (vXYZ) at t in [0, 1]^3, and its exact gradient by t.
-FN real trilinear(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN(real) v001, IN(real) v101, IN(real) v011,
-                  IN(real) v111, IN(real3) t, OUT(real3) gradient) {
+LANE_FN real trilinear(LANE_IN(real) v000, LANE_IN(real) v100, LANE_IN(real) v010, LANE_IN(real) v110, LANE_IN(real) v001,
+                       LANE_IN(real) v101, LANE_IN(real) v011, LANE_IN(real) v111, LANE_IN(real3) t, LANE_OUT(real3) gradient) {
   real dx00 = v100 - v000;
   real dx10 = v110 - v010;
   real dx01 = v101 - v001;
@@ -61,14 +61,15 @@ FN real trilinear(IN(real) v000, IN(real) v100, IN(real) v010, IN(real) v110, IN
 // Signed distance in a brick beyond the band, on `side` 1 (outside) or -1 (inside): never farther from 0 than the true
 // one. A distance function has slope 1 at most. So the interpolant of the corners deviates by at most the mean distance
 // to them, which the root mean square bounds. `brick`: edge of the brick, m.
-FN real farDistance(IN(real) at_corners, IN(real3) in_brick, IN(real) brick, IN(real) side, IN(real) band) {
+LANE_FN real farDistance(LANE_IN(real) at_corners, LANE_IN(real3) in_brick, LANE_IN(real) brick, LANE_IN(real) side,
+                         LANE_IN(real) band) {
   real3 rest = makeReal3(lit(1), lit(1), lit(1)) - in_brick;
   real off = brick * sqrt(max(dot(in_brick, rest), lit(0)));
   return side * max(band, side * at_corners - off);
 }
 
 // Lower bound of the distance outside the grid, which extends at least `band` beyond the body. `normal`: the gradient.
-FN real distanceOutsideGrid(IN(real3) outside, IN(real) band, OUT(real3) normal) {
+LANE_FN real distanceOutsideGrid(LANE_IN(real3) outside, LANE_IN(real) band, LANE_OUT(real3) normal) {
   normal = normalizeOrZero(outside);
   return band + length(outside);
 }
@@ -81,12 +82,12 @@ struct FieldCorners {
 };
 
 // Value of `clear` for a query without contact: the distance inside, beyond the band, is not shortened then.
-FN real noClearance() { return lit(-1e9); }
+LANE_FN real noClearance() { return lit(-1e9); }
 // Signed distance (m) and unit normal for contact. Inside, beyond the band, it is never farther from 0 than the true
 // one, so that contact does not overshoot (except with noClearance). Outside, where it is only a lower bound, it is
 // at least `clear`, so that nothing is pushed.
-FN real fieldDistance(IN(FieldPlace) place, IN(FieldCorners) at, IN(real) cell, IN(real) band, IN(real) quantum, IN(real) clear,
-                      OUT(real3) normal) {
+LANE_FN real fieldDistance(LANE_IN(FieldPlace) place, LANE_IN(FieldCorners) at, LANE_IN(real) cell, LANE_IN(real) band,
+                           LANE_IN(real) quantum, LANE_IN(real) clear, LANE_OUT(real3) normal) {
   mask stored = abs(at.side) < lit(0.5);
   real3 gradient;
   real value = trilinear(at.v000, at.v100, at.v010, at.v110, at.v001, at.v101, at.v011, at.v111,
@@ -107,12 +108,12 @@ struct Bend {
   real3 reach;                                 // half extents of the box about the origin, m
 };
 
-FN real3 inBendBox(IN(Bend) bend, IN(real3) p) {
+LANE_FN real3 inBendBox(LANE_IN(Bend) bend, LANE_IN(real3) p) {
   return makeReal3(clamp(p.x, lit(0) - bend.reach.x, bend.reach.x), clamp(p.y, lit(0) - bend.reach.y, bend.reach.y),
                    clamp(p.z, lit(0) - bend.reach.z, bend.reach.z));
 }
 
-FN real3 bendShift(IN(Bend) bend, IN(real3) p) {
+LANE_FN real3 bendShift(LANE_IN(Bend) bend, LANE_IN(real3) p) {
   real3 q = inBendBox(bend, p);
   real3 by_x = madd(bend.xx, q.x, madd(bend.xy, q.y, bend.x));
   real3 by_y = madd(bend.yy, q.y, madd(bend.yz, q.z, bend.y));
@@ -121,14 +122,14 @@ FN real3 bendShift(IN(Bend) bend, IN(real3) p) {
 }
 
 // Derivatives of w by the components of a point q in its box.
-FN void bendRates(IN(Bend) bend, IN(real3) q, OUT(real3) by_x, OUT(real3) by_y, OUT(real3) by_z) {
+LANE_FN void bendRates(LANE_IN(Bend) bend, LANE_IN(real3) q, LANE_OUT(real3) by_x, LANE_OUT(real3) by_y, LANE_OUT(real3) by_z) {
   by_x = madd(bend.xx, q.x + q.x, madd(bend.xy, q.y, madd(bend.zx, q.z, bend.x)));
   by_y = madd(bend.yy, q.y + q.y, madd(bend.yz, q.z, madd(bend.xy, q.x, bend.y)));
   by_z = madd(bend.zz, q.z + q.z, madd(bend.zx, q.x, madd(bend.yz, q.y, bend.z)));
 }
 
 // Gradient at p in the bent state of a function whose gradient at rest is `normal`.
-FN real3 bentGradient(IN(Bend) bend, IN(real3) p, IN(real3) normal) {
+LANE_FN real3 bentGradient(LANE_IN(Bend) bend, LANE_IN(real3) p, LANE_IN(real3) normal) {
   real3 by_x, by_y, by_z;
   bendRates(bend, inBendBox(bend, p), by_x, by_y, by_z);
   return makeReal3(normal.x + select(abs(p.x) > bend.reach.x, lit(0), dot(by_x, normal)),
@@ -138,14 +139,18 @@ FN real3 bentGradient(IN(Bend) bend, IN(real3) p, IN(real3) normal) {
 
 // Position in the bent state of the point that is at `rest` at rest: two fixed-point iterations of x = rest - w(x),
 // from x = p.
-FN real3 placedByBend(IN(Bend) bend, IN(real3) rest, IN(real3) p) { return rest - bendShift(bend, rest - bendShift(bend, p)); }
+LANE_FN real3 placedByBend(LANE_IN(Bend) bend, LANE_IN(real3) rest, LANE_IN(real3) p) {
+  return rest - bendShift(bend, rest - bendShift(bend, p));
+}
 // Position to which the surface carries the point at p while the bend changes from `before` to `now`.
-FN real3 carriedByBend(IN(Bend) before, IN(Bend) now, IN(real3) p) { return placedByBend(now, p + bendShift(before, p), p); }
+LANE_FN real3 carriedByBend(LANE_IN(Bend) before, LANE_IN(Bend) now, LANE_IN(real3) p) {
+  return placedByBend(now, p + bendShift(before, p), p);
+}
 
 // Distance to a bent surface, m. `distance`: that at rest; `gradient`: its bentGradient(), on return the unit normal.
 // First order within 5 mm of the surface. Elsewhere a bound that is never farther from 0 than the true distance,
 // because the bend stretches distances by at most `stretch`.
-FN real bentDistance(IN(real) distance, IN(real) stretch, INOUT(real3) gradient) {
+LANE_FN real bentDistance(LANE_IN(real) distance, LANE_IN(real) stretch, LANE_INOUT(real3) gradient) {
   real rise = length(gradient);
   mask near = abs(distance) < lit(5e-3) && rise > lit(0.25);
   gradient = gradient * inverse(max(rise, lit(1e-12)));

@@ -4,21 +4,23 @@
 // Position on a guide between two of its vertices: a cubic Hermite curve from p0 to p1 with tangents m0 and m1 (m per
 // unit of the knots). `h`: distance of the two knots; `s`: fraction of the interval, 0 to 1. Written relative to p0 to
 // keep precision far from the origin.
-FN real3 splinePosition(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s) {
+LANE_FN real3 splinePosition(LANE_IN(real3) p0, LANE_IN(real3) p1, LANE_IN(real3) m0, LANE_IN(real3) m1, LANE_IN(real) h,
+                             LANE_IN(real) s) {
   real s2 = s * s;
   real s3 = s2 * s;
   real3 bend = m0 * (s3 - lit(2) * s2 + s) + m1 * (s3 - s2);
   return p0 + (p1 - p0) * (lit(3) * s2 - lit(2) * s3) + bend * h;
 }
 // Derivative of splinePosition() by the knot parameter.
-FN real3 splineDerivative(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s) {
+LANE_FN real3 splineDerivative(LANE_IN(real3) p0, LANE_IN(real3) p1, LANE_IN(real3) m0, LANE_IN(real3) m1, LANE_IN(real) h,
+                               LANE_IN(real) s) {
   real s2 = s * s;
   real3 bend = m0 * (lit(3) * s2 - lit(4) * s + lit(1)) + m1 * (lit(3) * s2 - lit(2) * s);
   return (p1 - p0) * (lit(6) * (s - s2) / h) + bend;
 }
 
 // Reflects v in the plane with normal `across`; returns v if that has no length.
-FN real3 mirrored(IN(real3) v, IN(real3) across) {
+LANE_FN real3 mirrored(LANE_IN(real3) v, LANE_IN(real3) across) {
   real l2 = dot(across, across);
   mask tiny = l2 < lit(1e-16);
   return select(tiny, v, v - across * (lit(2) * dot(across, v) / select(tiny, lit(1), l2)));
@@ -26,30 +28,30 @@ FN real3 mirrored(IN(real3) v, IN(real3) across) {
 // Unit normal of a rotation minimizing frame, carried along `step` from the unit tangent `last_tangent` to `tangent`,
 // by double reflection (Wang, Juettler, Zheng, Liu 2008, "Computation of rotation minimizing frames"). Zero if it
 // becomes parallel to the tangent.
-FN real3 carriedNormal(IN(real3) normal, IN(real3) last_tangent, IN(real3) step, IN(real3) tangent) {
+LANE_FN real3 carriedNormal(LANE_IN(real3) normal, LANE_IN(real3) last_tangent, LANE_IN(real3) step, LANE_IN(real3) tangent) {
   real3 turned = mirrored(last_tangent, step);
   real3 n = mirrored(mirrored(normal, step), tangent - turned);
   return normalizeOrZero(n - tangent * dot(n, tangent));
 }
 
 // Radius of a lock along its length u, 0 to 1: a quadratic Bezier curve over factors at root, middle and tip.
-FN real lockRadius(IN(real3) profile, IN(real) u) {
+LANE_FN real lockRadius(LANE_IN(real3) profile, LANE_IN(real) u) {
   real v = lit(1) - u;
   return v * v * profile.x + lit(2) * u * v * profile.y + u * u * profile.z;
 }
-FN real lockRadiusSlope(IN(real3) profile, IN(real) u) {
+LANE_FN real lockRadiusSlope(LANE_IN(real3) profile, LANE_IN(real) u) {
   return lit(2) * ((lit(1) - u) * (profile.y - profile.x) + u * (profile.z - profile.y));
 }
 
 // Angle of a number of turns, radians, without whole turns.
-FN real turnAngle(IN(real) turns) { return lit(6.283185307179586) * (turns - floor(turns + lit(0.5))); }
+LANE_FN real turnAngle(LANE_IN(real) turns) { return lit(6.283185307179586) * (turns - floor(turns + lit(0.5))); }
 
 // Position of a hair in the twist-free frame of its first guide: along normal (x) and binormal (y), metres, and the
 // derivatives by u, the fraction of the length from the root.
 struct AcrossGuide {
   real x, y, slope_x, slope_y;
 };
-FN AcrossGuide turning(IN(real) turns, IN(real) per_u, IN(real) radius, IN(real) slope) {
+LANE_FN AcrossGuide turning(LANE_IN(real) turns, LANE_IN(real) per_u, LANE_IN(real) radius, LANE_IN(real) slope) {
   real angle = turnAngle(turns);
   real c = cos(angle);
   real s = sin(angle);
@@ -65,8 +67,9 @@ FN AcrossGuide turning(IN(real) turns, IN(real) per_u, IN(real) radius, IN(real)
 // curl: a helix of `curl_radius` (m) that widens from the root, with `curl_turns` over the whole length. Third,
 // deviations: by `tip` (m), most of it in the last quarter, and by `whole` (m) everywhere but at the root. Both
 // deviations rotate by one and a half turns over the length.
-FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(real) tip, IN(real) whole, IN(real) deviation_phase,
-                          IN(real) curl_radius, IN(real) curl_turns, IN(real) curl_phase) {
+LANE_FN AcrossGuide hairAcross(LANE_IN(real) u, LANE_IN(real3) offset, LANE_IN(real3) profile, LANE_IN(real) tip,
+                               LANE_IN(real) whole, LANE_IN(real) deviation_phase, LANE_IN(real) curl_radius,
+                               LANE_IN(real) curl_turns, LANE_IN(real) curl_phase) {
   real opening = u * (lit(2) - u);
   real opening_slope = lit(2) - lit(2) * u;
   real u2 = u * u;
@@ -86,8 +89,8 @@ FN AcrossGuide hairAcross(IN(real) u, IN(real3) offset, IN(real3) profile, IN(re
 
 // Offset by a curl that is sampled from a strand (render/hair_growth.h). p0, p1: two samples (only x and y) with
 // slopes m0, m1, at distance `h` in u; `s`: fraction of the interval; `scale`: m; `turns`: rotation about the guide.
-FN AcrossGuide exampleAcross(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3) m1, IN(real) h, IN(real) s, IN(real) turns,
-                             IN(real) scale) {
+LANE_FN AcrossGuide exampleAcross(LANE_IN(real3) p0, LANE_IN(real3) p1, LANE_IN(real3) m0, LANE_IN(real3) m1, LANE_IN(real) h,
+                                  LANE_IN(real) s, LANE_IN(real) turns, LANE_IN(real) scale) {
   real3 place = splinePosition(p0, p1, m0, m1, h, s) * scale;
   real3 slope = splineDerivative(p0, p1, m0, m1, h, s) * scale;
   real angle = turnAngle(turns);
@@ -100,7 +103,7 @@ FN AcrossGuide exampleAcross(IN(real3) p0, IN(real3) p1, IN(real3) m0, IN(real3)
   at.slope_y = slope.x * n + slope.y * c;
   return at;
 }
-FN AcrossGuide bothAcross(IN(AcrossGuide) a, IN(AcrossGuide) b) {
+LANE_FN AcrossGuide bothAcross(LANE_IN(AcrossGuide) a, LANE_IN(AcrossGuide) b) {
   AcrossGuide at;
   at.x = a.x + b.x;
   at.y = a.y + b.y;
@@ -114,7 +117,7 @@ FN AcrossGuide bothAcross(IN(AcrossGuide) a, IN(AcrossGuide) b) {
 struct Closing {
   real part, slope;
 };
-FN Closing hairClosing(IN(real) u, IN(real) clump, IN(real) bodies, IN(real) bodies_slope) {
+LANE_FN Closing hairClosing(LANE_IN(real) u, LANE_IN(real) clump, LANE_IN(real) bodies, LANE_IN(real) bodies_slope) {
   real open = lit(1) - clump * u;
   Closing closing;
   closing.part = clump * u + open * bodies;
@@ -124,7 +127,7 @@ FN Closing hairClosing(IN(real) u, IN(real) clump, IN(real) bodies, IN(real) bod
 
 // Offset of a hair that follows one guide from a root `beside` that guide's root (m, only x and y). It closes in like
 // hair between guides.
-FN AcrossGuide besideGuide(IN(real3) beside, IN(Closing) closing) {
+LANE_FN AcrossGuide besideGuide(LANE_IN(real3) beside, LANE_IN(Closing) closing) {
   real open = lit(1) - closing.part;
   AcrossGuide at;
   at.x = beside.x * open;
@@ -136,15 +139,17 @@ FN AcrossGuide besideGuide(IN(real3) beside, IN(Closing) closing) {
 
 // Position of a hair at u. `a`: position of its first guide; `ab`, `ac`: vectors from there to the other two guides,
 // with their weights.
-FN real3 hairPosition(IN(real3) a, IN(real3) ab, IN(real3) ac, IN(real) weight_b, IN(real) weight_c, IN(Closing) closing,
-                      IN(AcrossGuide) across, IN(real3) normal, IN(real3) binormal) {
+LANE_FN real3 hairPosition(LANE_IN(real3) a, LANE_IN(real3) ab, LANE_IN(real3) ac, LANE_IN(real) weight_b, LANE_IN(real) weight_c,
+                           LANE_IN(Closing) closing, LANE_IN(AcrossGuide) across, LANE_IN(real3) normal,
+                           LANE_IN(real3) binormal) {
   real open = lit(1) - closing.part;
   return a + ab * (open * weight_b) + ac * (open * weight_c) + normal * across.x + binormal * across.y;
 }
 // Derivative of hairPosition() by u, without a part along the guide: a rotation minimizing frame rotates only about
 // axes perpendicular to the tangent. `da`, `dab`, `dac`: derivatives of a, ab, ac.
-FN real3 hairDerivative(IN(real3) da, IN(real3) dab, IN(real3) dac, IN(real3) ab, IN(real3) ac, IN(real) weight_b,
-                        IN(real) weight_c, IN(Closing) closing, IN(AcrossGuide) across, IN(real3) normal, IN(real3) binormal) {
+LANE_FN real3 hairDerivative(LANE_IN(real3) da, LANE_IN(real3) dab, LANE_IN(real3) dac, LANE_IN(real3) ab, LANE_IN(real3) ac,
+                             LANE_IN(real) weight_b, LANE_IN(real) weight_c, LANE_IN(Closing) closing,
+                             LANE_IN(AcrossGuide) across, LANE_IN(real3) normal, LANE_IN(real3) binormal) {
   real open = lit(1) - closing.part;
   real3 spread = dab * (open * weight_b) + dac * (open * weight_c);
   real3 close = (ab * weight_b + ac * weight_c) * closing.slope;
@@ -153,11 +158,11 @@ FN real3 hairDerivative(IN(real3) da, IN(real3) dab, IN(real3) dac, IN(real3) ab
 
 // Width of a hair over its full width at the fraction `along` of its length: 1 up to three quarters, then linear to 0
 // at the tip.
-FN real hairTaper(IN(real) along) { return clamp(lit(4) * (lit(1) - along), lit(0), lit(1)); }
+LANE_FN real hairTaper(LANE_IN(real) along) { return clamp(lit(4) * (lit(1) - along), lit(0), lit(1)); }
 
 // Clearance of a hair's vertex from bodies, m: `clear`, reduced within 1/20 of the length from the root to the root's
 // own distance if that is less.
-FN real keptDistance(IN(real) u, IN(real) root_distance, IN(real) clear) {
+LANE_FN real keptDistance(LANE_IN(real) u, LANE_IN(real) root_distance, LANE_IN(real) clear) {
   real t = clamp(u * lit(20), lit(0), lit(1));
   return clear + (min(root_distance, clear) - clear) * (lit(1) - t * t * (lit(3) - lit(2) * t));
 }
@@ -166,8 +171,8 @@ FN real keptDistance(IN(real) u, IN(real) root_distance, IN(real) clear) {
 // Tariq 2010, "Advanced Techniques in Real-Time Hair Rendering and Simulation"). The transition is within `zone`, a
 // fraction of the length, before that vertex. To avoid popping, closingAsked() rises linearly with the vertex's depth
 // up to 2 mm; the maximum over all vertices counts. `ahead`: distance of the vertex along u, negative behind it.
-FN real closingAsked(IN(real) depth) { return clamp(depth * lit(500), lit(0), lit(1)); }
-FN real closingBefore(IN(real) asked, IN(real) ahead, IN(real) zone) {
+LANE_FN real closingAsked(LANE_IN(real) depth) { return clamp(depth * lit(500), lit(0), lit(1)); }
+LANE_FN real closingBefore(LANE_IN(real) asked, LANE_IN(real) ahead, LANE_IN(real) zone) {
   real t = clamp(lit(1) - ahead / zone, lit(0), lit(1));
   return asked * t * t * (lit(3) - lit(2) * t);
 }

@@ -4,10 +4,10 @@
 #define real3 vec3
 #define quat vec4
 #define mask bool
-#define FN
-#define IN(type) in type
-#define OUT(type) out type
-#define INOUT(type) inout type
+#define LANE_FN
+#define LANE_IN(type) in type
+#define LANE_OUT(type) out type
+#define LANE_INOUT(type) inout type
 #define lit(value) float(value)
 #define makeReal3(x, y, z) vec3(x, y, z)
 #define makeQuat(x, y, z, w) vec4(x, y, z, w)

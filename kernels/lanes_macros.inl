@@ -1,5 +1,5 @@
-// Macros of kernel text on the C++ side; end_lanes.inl undefines them.
-#define FN [[maybe_unused]] static inline
-#define IN(type) const type&
-#define OUT(type) type&
-#define INOUT(type) type&
+// Macros of kernel text on the C++ side; end_lanes.inl undefines them. Unprefixed, IN and OUT collide with Windows headers.
+#define LANE_FN [[maybe_unused]] static inline
+#define LANE_IN(type) const type&
+#define LANE_OUT(type) type&
+#define LANE_INOUT(type) type&

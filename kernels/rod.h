@@ -15,22 +15,24 @@
 // the inner and the outer edge; swing_in, swing: their changes in the substep, perpendicular to them.
 
 // Tangent of a material frame: its z axis.
-FN real3 frameTangent(IN(quat) q) {
+LANE_FN real3 frameTangent(LANE_IN(quat) q) {
   return makeReal3(lit(2) * madd(q.x, q.z, q.w * q.y), lit(2) * madd(q.y, q.z, lit(0) - q.w * q.x),
                    lit(1) - lit(2) * madd(q.x, q.x, q.y * q.y));
 }
 
 // Moves the frame q of an edge, whose tangent is `tangent`, to the unit vector t by parallel transport (no twist).
-FN quat transportTo(IN(quat) q, IN(real3) tangent, IN(real3) t) { return multiply(rotationBetween(tangent, t), q); }
+LANE_FN quat transportTo(LANE_IN(quat) q, LANE_IN(real3) tangent, LANE_IN(real3) t) {
+  return multiply(rotationBetween(tangent, t), q);
+}
 
 // Cosine of half the angle of a joint whose frames differ by the rotation p. Clamped near a full fold, where the strain
 // would grow without bound.
-FN real cappedCosine(IN(quat) p) { return max(abs(p.w), lit(0.2)); }
+LANE_FN real cappedCosine(LANE_IN(quat) p) { return max(abs(p.w), lit(0.2)); }
 
 // Strain (Darboux vector) of the joint between frames a and b, in frame a: bending (x, y) and twist (z), 2
 // tan(theta / 2) along the axis of the rotation from a to b. It stays finite up to a full fold (cappedCosine), so that
 // a fold always pushes back. docs/solver.md (1).
-FN real3 jointStrain(IN(quat) a, IN(quat) b) {
+LANE_FN real3 jointStrain(LANE_IN(quat) a, LANE_IN(quat) b) {
   quat p = multiply(conjugate(a), b);
   real w = lit(2) * inverse(cappedCosine(p));
   real s = select(p.w < lit(0), lit(0) - w, w);
@@ -39,16 +41,17 @@ FN real3 jointStrain(IN(quat) a, IN(quat) b) {
 
 // Moment of a joint on its outer edge, world: gradient of the elastic energy to a rotation of that edge. `strain`: see
 // jointStrain(); `excess`: strain less rest strain; `bend`, `twist`: stiffness in m^2/s^2. docs/solver.md (11).
-FN real3 jointMoment(IN(quat) a, IN(real3) strain, IN(real3) excess, IN(real) bend, IN(real) twist) {
+LANE_FN real3 jointMoment(LANE_IN(quat) a, LANE_IN(real3) strain, LANE_IN(real3) excess, LANE_IN(real) bend,
+                          LANE_IN(real) twist) {
   real3 c = makeReal3(bend * excess.x, bend * excess.y, twist * excess.z);
   return rotate(a, madd(cross(strain, c), lit(0.5), c));
 }
 
 // Rotation of frame b against frame a about their common tangent, radians; small.
-FN real spinBetween(IN(quat) a, IN(quat) b) { return clamp(jointStrain(a, b).z, lit(-1), lit(1)); }
+LANE_FN real spinBetween(LANE_IN(quat) a, LANE_IN(quat) b) { return clamp(jointStrain(a, b).z, lit(-1), lit(1)); }
 // Rotation vector of an edge in a substep without twist, radians, in its own frame q. `advance`: displacement of its
 // outer end relative to the inner one, over the edge's length.
-FN real3 turningOf(IN(quat) q, IN(real3) advance) {
+LANE_FN real3 turningOf(LANE_IN(quat) q, LANE_IN(real3) advance) {
   real3 own = rotateBack(q, advance);
   return makeReal3(lit(0) - own.y, own.x, lit(0));
 }
@@ -56,42 +59,43 @@ FN real3 turningOf(IN(quat) q, IN(real3) advance) {
 // Internal (Kelvin-Voigt) damping adds to the strain what it gains in the damping time. jointMoment() is the transpose
 // of this map. So damping dissipates the energy of motions that bend hair and of no others. Twist is not damped: it has
 // no inertia here.
-FN real3 gainedStrain(IN(real3) strain, IN(real3) turned_in, IN(real3) turned) {
+LANE_FN real3 gainedStrain(LANE_IN(real3) strain, LANE_IN(real3) turned_in, LANE_IN(real3) turned) {
   real3 more = turned - turned_in, sum = (turned + turned_in) * lit(0.5);
   return makeReal3(more.x + (strain.y * sum.z - strain.z * sum.y), more.y + (strain.z * sum.x - strain.x * sum.z), lit(0));
 }
 
 // Returns d: the torque of a joint about its inner edge's tangent is twist excess.z + d, about its outer edge's tangent
 // twist excess.z - d. docs/solver.md (9).
-FN real torqueDifference(IN(real3) strain, IN(real3) excess, IN(real) bend) {
+LANE_FN real torqueDifference(LANE_IN(real3) strain, LANE_IN(real3) excess, LANE_IN(real) bend) {
   return lit(0.5) * bend * (strain.x * excess.y - strain.y * excess.x);
 }
 // Returns a, which bending adds to the stiffness of twist. If one edge of a joint rotates by phi about its tangent, its
 // own torque changes by (twist + a) phi. The torque of the other edge changes by (a - twist) phi. Without terms in
 // strain.z; clamped to 0 or more. docs/solver.md (9), (10).
-FN real twistOfBending(IN(real3) strain, IN(real3) excess, IN(real) bend) {
+LANE_FN real twistOfBending(LANE_IN(real3) strain, LANE_IN(real3) excess, LANE_IN(real) bend) {
   real3 rest = strain - excess;
   return max(lit(0.25) * bend * madd(strain.x, rest.x, strain.y * rest.y), lit(0));
 }
 // The same contribution by internal damping. `ahead`: the damping time in substeps.
-FN real twistOfDamping(IN(real3) strain, IN(real) bend, IN(real) ahead) {
+LANE_FN real twistOfDamping(LANE_IN(real3) strain, LANE_IN(real) bend, LANE_IN(real) ahead) {
   return lit(0.25) * bend * ahead * madd(strain.x, strain.x, strain.y * strain.y);
 }
 // Strain of a joint after its inner and outer edge have rotated about their tangents by phi_in and phi (radians,
 // small).
-FN real3 twistedStrain(IN(real3) strain, IN(real) phi_in, IN(real) phi) {
+LANE_FN real3 twistedStrain(LANE_IN(real3) strain, LANE_IN(real) phi_in, LANE_IN(real) phi) {
   real mean = lit(0.5) * (phi_in + phi);
   return makeReal3(madd(strain.y, mean, strain.x), madd(lit(0) - strain.x, mean, strain.y), strain.z + phi - phi_in);
 }
 // `excess` plus internal damping. `gained`: bending strain gained in the substep without twist; strain less untwisted:
 // gained by twist; `ahead`: the damping time in substeps.
-FN real3 dampedExcess(IN(real3) excess, IN(real3) gained, IN(real3) untwisted, IN(real3) strain, IN(real) ahead) {
+LANE_FN real3 dampedExcess(LANE_IN(real3) excess, LANE_IN(real3) gained, LANE_IN(real3) untwisted, LANE_IN(real3) strain,
+                           LANE_IN(real) ahead) {
   real3 by_twist = strain - untwisted;
   return makeReal3(madd(gained.x + by_twist.x, ahead, excess.x), madd(gained.y + by_twist.y, ahead, excess.y), excess.z);
 }
 
 // Frame rotated about its own tangent by the small angle phi, radians.
-FN quat twistFrame(IN(quat) q, IN(real) phi) {
+LANE_FN quat twistFrame(LANE_IN(quat) q, LANE_IN(real) phi) {
   real h = phi * lit(0.5);
   return normalizeQuat(makeQuat(madd(q.y, h, q.x), madd(lit(0) - q.x, h, q.y), madd(q.w, h, q.z), madd(lit(0) - q.z, h, q.w)));
 }
@@ -99,25 +103,25 @@ FN quat twistFrame(IN(quat) q, IN(real) phi) {
 // Whether a strand has an edge much shorter than its mean edge. All edges of such a strand take the time blend of the
 // stiffest edge. With less blend on a short edge than on its neighbours, the strand gained energy and never came to
 // rest.
-FN mask isCutUnevenly(IN(real) shortest, IN(real) mean) { return shortest < lit(0.5) * mean; }
+LANE_FN mask isCutUnevenly(LANE_IN(real) shortest, LANE_IN(real) mean) { return shortest < lit(0.5) * mean; }
 
 // Stiffness ratio of an edge: its bending stiffness against the inertia of its outer vertex, kappa = time2 bend / (mass
 // length^2). docs/solver.md (6).
-FN real stiffnessOf(IN(real) bend, IN(real) inverse_length, IN(real) time2, IN(real) weight) {
+LANE_FN real stiffnessOf(LANE_IN(real) bend, LANE_IN(real) inverse_length, LANE_IN(real) time2, LANE_IN(real) weight) {
   return bend * inverse_length * inverse_length * time2 * weight;
 }
 
 // Whether a strand's rest shape is kinked. Its bends change from joint to joint by more than 0.04 rad (rms), and less
 // evenly than along a curl or a wave of more than six edges. `bends`, `changes`, `second_changes`: sums over `joints`
 // (without the root's) of |rest strain|^2 and of the squares of its first and second differences.
-FN mask bendsUnevenly(IN(real) bends, IN(real) changes, IN(real) second_changes, IN(real) joints) {
+LANE_FN mask bendsUnevenly(LANE_IN(real) bends, LANE_IN(real) changes, LANE_IN(real) second_changes, LANE_IN(real) joints) {
   return changes > lit(0.0016) * joints && second_changes > bends;
 }
 // Whether the strand needs the treatment of kinked hair: it is also stiff enough. `kappa`: greatest stiffness ratio of
 // its edges.
-FN mask isKinked(IN(mask) uneven, IN(real) kappa) { return uneven && kappa > lit(0.3); }
+LANE_FN mask isKinked(LANE_IN(mask) uneven, LANE_IN(real) kappa) { return uneven && kappa > lit(0.3); }
 // Whether the bends at rest are sharp: fewer than 5.6 edges make a full turn. Sums as in bendsUnevenly().
-FN mask isSharp(IN(real) bends, IN(real) joints) { return bends > lit(1.5) * joints; }
+LANE_FN mask isSharp(LANE_IN(real) bends, LANE_IN(real) joints) { return bends > lit(1.5) * joints; }
 
 // Time blend: forces on an edge are evaluated at `blend` x old position + (1 - blend) x inertial point. Blend 0 is
 // implicit Euler, which damps a mode of angular frequency w with damping ratio w dt / 2. Blend 1 is the average
@@ -127,48 +131,48 @@ FN mask isSharp(IN(real) bends, IN(real) joints) { return bends > lit(1.5) * joi
 // substep. It is less at bent joints with some stiffness and for large `kappa`. `advance`: inertial edge less old edge;
 // `kink`: old edge less the edge before it; both over the edge's length. `kappa`: see stiffnessOf(), isCutUnevenly().
 // `kinked`: see isKinked(); such strands get 0, because undamped small waves grew between their kinks.
-FN real timeBlend(IN(real3) advance, IN(real3) kink, IN(real) kappa, IN(mask) kinked) {
+LANE_FN real timeBlend(LANE_IN(real3) advance, LANE_IN(real3) kink, LANE_IN(real) kappa, LANE_IN(mask) kinked) {
   real slow = select(kinked, lit(0), lit(1)) * clamp(lit(2) - lit(10) * dot(advance, advance), lit(0), lit(1));
   return lit(0.9) * slow * inverse(madd(lit(0.05), kappa, madd(lit(20) * min(lit(10) * kappa, lit(1)), dot(kink, kink), lit(1))));
 }
 // Share of the new increment in the position where forces are evaluated; the matrix gets this share of the stiffness. 1
 // for implicit Euler, 1/4 for average acceleration. docs/solver.md (8).
-FN real implicitShare(IN(real) blend) { return lit(1) - lit(0.75) * blend; }
+LANE_FN real implicitShare(LANE_IN(real) blend) { return lit(1) - lit(0.75) * blend; }
 
 // Stiffness of a joint in the bending matrix: a majorant of the true Hessian in the directions of the two tangents.
 // `c`: cosine of the angle between them. `time2` here: implicit share x dt^2 + dt x damping time. docs/solver.md (13).
-FN real bendMatrixStiffness(IN(real) bend, IN(real) c, IN(real) time2) {
+LANE_FN real bendMatrixStiffness(LANE_IN(real) bend, LANE_IN(real) c, LANE_IN(real) time2) {
   return bend * time2 * inverse(max(lit(0.5) * (lit(1) + c), lit(0.1)));
 }
 // Margin that a bent joint adds to the matrix on each of its edges, for the rotation of tangents under its moment. It
 // acts as inertia against the rigid rotation of a curl. Tuned: with 0.75 in place of 1.25, stiff curls are unstable.
 // Kinked hair needs 4, because curlSoftness() assumes that the next vertices move like this one, and theirs do not.
 // docs/solver.md (13).
-FN real bendMatrixMargin(IN(real) stiffness, IN(real) c, IN(real3) excess, IN(mask) kinked) {
+LANE_FN real bendMatrixMargin(LANE_IN(real) stiffness, LANE_IN(real) c, LANE_IN(real3) excess, LANE_IN(mask) kinked) {
   real fold = max(lit(2) - lit(2) * c, lit(0));
   return stiffness * madd(select(kinked, lit(4), lit(1.25)), fold, lit(5) * min(dot(excess, excess), lit(4)));
 }
 
 // Stiffness of an edge in the bending matrix: the margins of its two joints, and its kept tension. docs/solver.md (13).
-FN real edgeMatrixStiffness(IN(real) margins, IN(real) inverse_length, IN(real) kept, IN(real) blend) {
+LANE_FN real edgeMatrixStiffness(LANE_IN(real) margins, LANE_IN(real) inverse_length, LANE_IN(real) kept, LANE_IN(real) blend) {
   return madd(margins * inverse_length, inverse_length, max(kept, lit(0)) * inverse_length * implicitShare(blend));
 }
 
 // `push` without its component along the normal of a contact (zero if there is no contact).
-FN real3 alongSurface(IN(real3) push, IN(real3) normal) { return madd(normal, lit(0) - dot(push, normal), push); }
+LANE_FN real3 alongSurface(LANE_IN(real3) push, LANE_IN(real3) normal) { return madd(normal, lit(0) - dot(push, normal), push); }
 
 // The bending system, docs/solver.md (12), has one displacement per vertex. bendOwn() is the diagonal entry of the
 // outer vertex of edge e by joints of stiffness k0 (before edge e), k1 and k2 (the next two). bendAcross() couples that
 // vertex to the next one, bendAcrossTwo() to the one after. `il`, `il_out`, `il_out2`: inverse lengths of edge e and
 // the next two, 1/m.
-FN real bendOwn(IN(real) k0, IN(real) k1, IN(real) k2, IN(real) il, IN(real) il_out) {
+LANE_FN real bendOwn(LANE_IN(real) k0, LANE_IN(real) k1, LANE_IN(real) k2, LANE_IN(real) il, LANE_IN(real) il_out) {
   real sum = il + il_out;
   return k0 * il * il + k1 * sum * sum + k2 * il_out * il_out;
 }
-FN real bendAcross(IN(real) k1, IN(real) k2, IN(real) il, IN(real) il_out, IN(real) il_out2) {
+LANE_FN real bendAcross(LANE_IN(real) k1, LANE_IN(real) k2, LANE_IN(real) il, LANE_IN(real) il_out, LANE_IN(real) il_out2) {
   return lit(0) - k1 * (il + il_out) * il_out - k2 * il_out * (il_out + il_out2);
 }
-FN real bendAcrossTwo(IN(real) k2, IN(real) il_out, IN(real) il_out2) { return k2 * il_out * il_out2; }
+LANE_FN real bendAcrossTwo(LANE_IN(real) k2, LANE_IN(real) il_out, LANE_IN(real) il_out2) { return k2 * il_out * il_out2; }
 
 // Lengths and tensions belong in the metric of the bending matrix A, which is dense. Tension pulls a vertex of a curl
 // inwards, along the difference b of its two tangents, and there A resists. So the length system, docs/solver.md (16)
@@ -178,8 +182,8 @@ FN real bendAcrossTwo(IN(real) k2, IN(real) il_out, IN(real) il_out2) { return k
 //
 // `stiffness`: of the vertex's joint in A; t_in2, t_in, t_out, t_out2: tangents of the two edges before and the two
 // after the vertex; `anchoring`: edgeAnchoring() of the edge before it if that edge is anchored, otherwise 0.
-FN real curlSoftness(IN(real) weight, IN(real) stiffness, IN(real) inverse_length, IN(real3) t_in2, IN(real3) t_in,
-                     IN(real3) t_out, IN(real3) t_out2, IN(real) anchoring) {
+LANE_FN real curlSoftness(LANE_IN(real) weight, LANE_IN(real) stiffness, LANE_IN(real) inverse_length, LANE_IN(real3) t_in2,
+                          LANE_IN(real3) t_in, LANE_IN(real3) t_out, LANE_IN(real3) t_out2, LANE_IN(real) anchoring) {
   real3 b = t_out - t_in;
   real3 change = t_out2 - t_in2 - b * lit(3);
   real bends = dot(b, b);
@@ -189,37 +193,42 @@ FN real curlSoftness(IN(real) weight, IN(real) stiffness, IN(real) inverse_lengt
 // Resistance of A to the rotation of an anchored edge, docs/solver.md (18): one whose inner end is the root or a pin,
 // which cannot move along with its outer end. It sums the stiffness of the inner joint and the margins of both joints.
 // Without it, soft hair that folds down over its root oscillated without end.
-FN real edgeAnchoring(IN(real) stiffness, IN(real) margin, IN(real) margin_out) { return stiffness + margin + margin_out; }
+LANE_FN real edgeAnchoring(LANE_IN(real) stiffness, LANE_IN(real) margin, LANE_IN(real) margin_out) {
+  return stiffness + margin + margin_out;
+}
 // Weight of a vertex in this metric along an adjacent edge. `c`: cosine of the angle between its two tangents.
-FN real weightAlong(IN(real) weight, IN(real) softness, IN(real) c) {
+LANE_FN real weightAlong(LANE_IN(real) weight, LANE_IN(real) softness, LANE_IN(real) c) {
   return weight * (lit(1) - lit(0.5) * softness * (lit(1) - c));
 }
 // Off-diagonal entry of the length system for the two edges that meet at a vertex. The system has one unknown per edge
 // (lambda x weight, m); its diagonal sums the weights of both ends along the edge.
-FN real lengthAcross(IN(real) weight, IN(real) softness, IN(real) c) {
+LANE_FN real lengthAcross(LANE_IN(real) weight, LANE_IN(real) softness, LANE_IN(real) c) {
   return lit(0) - weight * (c + lit(0.5) * softness * (lit(1) - c));
 }
 // A vertex in contact (softness 0) moves along the surface only. This term is subtracted from weightAlong() of edge t
 // (with t_other = t) and added to lengthAcross() of both edges.
-FN real weightHeld(IN(real3) t, IN(real3) t_other, IN(real3) normal, IN(real) weight) {
+LANE_FN real weightHeld(LANE_IN(real3) t, LANE_IN(real3) t_other, LANE_IN(real3) normal, LANE_IN(real) weight) {
   return weight * dot(t, normal) * dot(t_other, normal);
 }
 // Added to the diagonal so that contact leaves at least a tenth of the weights. An edge parallel to the normals at its
 // ends would otherwise get an unbounded tension increment and throw sideways any edge that is not exactly parallel.
-FN real lengthHeld(IN(real3) t, IN(real3) normal_in, IN(real) weight_in, IN(real3) normal, IN(real) weight) {
+LANE_FN real lengthHeld(LANE_IN(real3) t, LANE_IN(real3) normal_in, LANE_IN(real) weight_in, LANE_IN(real3) normal,
+                        LANE_IN(real) weight) {
   real a_in = dot(t, normal_in), a = dot(t, normal);
   return max(weight_in * (a_in * a_in - lit(0.9)) + weight * (a * a - lit(0.9)), lit(0));
 }
 // Correction strain, docs/solver.md (20): displacement of an edge's ends by its tension increment `lambda`, over its
 // length. If it is large for any edge of a strand, the tridiagonal metric is too inaccurate for that strand. It would
 // feed energy to hair, first to stiff, sharply bent or kinked hair.
-FN real correctionStrain(IN(real) lambda, IN(real) weight_in, IN(real) weight, IN(real) inverse_length) {
+LANE_FN real correctionStrain(LANE_IN(real) lambda, LANE_IN(real) weight_in, LANE_IN(real) weight, LANE_IN(real) inverse_length) {
   return abs(lambda) * (weight_in + weight) * inverse_length;
 }
 // Correction strain up to which the tridiagonal metric is accurate enough. `sharp`: isSharp() or bendsUnevenly();
 // `kappa`: greatest stiffness ratio of the strand's edges.
-FN real correctionLimit(IN(mask) sharp, IN(real) kappa) { return select(sharp || kappa > lit(10), lit(0.05), lit(0.15)); }
-FN mask needsDenseMetric(IN(real) strain, IN(real) limit) { return strain > limit; }
+LANE_FN real correctionLimit(LANE_IN(mask) sharp, LANE_IN(real) kappa) {
+  return select(sharp || kappa > lit(10), lit(0.05), lit(0.15));
+}
+LANE_FN mask needsDenseMetric(LANE_IN(real) strain, LANE_IN(real) limit) { return strain > limit; }
 // Overshoot, 0 to 1, docs/solver.md (25): share of a correction beyond the edge's own length (`strain` above 1). The
 // substep cannot resolve how a strand beside a body folds then, and its displacement must not become velocity in full.
 // `nearness`: of the body, see kernels/contact.h. A strand between two pins overshoots without any body: its `nearness`
@@ -229,28 +238,31 @@ FN mask needsDenseMetric(IN(real) strain, IN(real) limit) { return strain > limi
 // `fastest`: greatest speed before the substep of any vertex, the root, a pin or a nearby body; both m/s. The bound is
 // 1.1 fastest + 0.1 m/s. Between two pins it is 0.9 fastest + 0.1 m/s: both pins hold the strand, so that it keeps what
 // energy it gains and must lose some in each substep.
-FN real overshoot(IN(real) strain, IN(real) nearness) { return clamp(strain - lit(1), lit(0), lit(1)) * nearness; }
-FN real velocityClamp(IN(real) speed, IN(real) fastest, IN(real) overshot, IN(mask) between_pins) {
+LANE_FN real overshoot(LANE_IN(real) strain, LANE_IN(real) nearness) { return clamp(strain - lit(1), lit(0), lit(1)) * nearness; }
+LANE_FN real velocityClamp(LANE_IN(real) speed, LANE_IN(real) fastest, LANE_IN(real) overshot, LANE_IN(mask) between_pins) {
   real bound = madd(fastest, select(between_pins, lit(0.9), lit(1.1)), lit(0.1));
   return max(lit(1) - overshot * max(lit(1) - bound * inverse(max(speed, lit(1e-6))), lit(0)), lit(1e-6));
 }
 // Displacement of a vertex, per weight, by the tension increments of the edges before and after it, in this metric,
 // docs/solver.md (19). With softness 0 it is the force. In contact, only the alongSurface() part acts.
-FN real3 shiftByTensions(IN(real3) t_in, IN(real) lambda_in, IN(real3) t_out, IN(real) lambda_out, IN(real) softness) {
+LANE_FN real3 shiftByTensions(LANE_IN(real3) t_in, LANE_IN(real) lambda_in, LANE_IN(real3) t_out, LANE_IN(real) lambda_out,
+                              LANE_IN(real) softness) {
   real held = lit(0.5) * softness * (lambda_in + lambda_out);
   return t_out * (lambda_out - held) - t_in * (lambda_in - held);
 }
 // Least pivot in the elimination of the length system. Low enough for strands of 128 vertices: on a straight strand of
 // n vertices, pivots fall to 1 / n, and the solution must not depend on the order of elimination.
-FN real lengthPivot(IN(real) weight_in, IN(real) weight) { return max((weight_in + weight) * lit(1e-3), lit(1e-6)); }
+LANE_FN real lengthPivot(LANE_IN(real) weight_in, LANE_IN(real) weight) {
+  return max((weight_in + weight) * lit(1e-3), lit(1e-6));
+}
 // Constraint residual of an edge for the length solve: 0 if both ends are held, otherwise its excess length, m.
-FN real lengthResidual(IN(real) excess, IN(real) weight_in, IN(real) weight) {
+LANE_FN real lengthResidual(LANE_IN(real) excess, LANE_IN(real) weight_in, LANE_IN(real) weight) {
   return select(weight_in + weight > lit(0), excess, lit(0));
 }
 // Displacement that restores an edge's rest length, docs/solver.md (22), along the edge, or along `otherwise` if the
 // edge has no direction. A small difference by design: rebuilding the edge from direction and length would move it by
 // the rounding of both.
-FN real3 missingLength(IN(real3) edge, IN(real3) otherwise, IN(real) rest_length) {
+LANE_FN real3 missingLength(LANE_IN(real3) edge, LANE_IN(real3) otherwise, LANE_IN(real) rest_length) {
   real3 t = directionOr(edge, otherwise);
   return t * (rest_length - dot(edge, t));
 }
@@ -262,17 +274,17 @@ const int kTensionIterations = 2;
 // residual of the iterations is left to exact lengths, which bends joints; stiff kinked strands never came to rest
 // then. `kappa`: greatest stiffness ratio of the strand's edges; `pressed`: a body presses the strand, which lowers the
 // limit.
-FN mask isStiff(IN(real) kappa) { return kappa > lit(100); }
-FN mask isEliminated(IN(real) kappa, IN(real) strain, IN(real) limit, IN(mask) pressed) {
+LANE_FN mask isStiff(LANE_IN(real) kappa) { return kappa > lit(100); }
+LANE_FN mask isEliminated(LANE_IN(real) kappa, LANE_IN(real) strain, LANE_IN(real) limit, LANE_IN(mask) pressed) {
   return isStiff(kappa) && (strain > lit(0.3) || (pressed && needsDenseMetric(strain, limit)));
 }
 // Whether two pins hold a strand taut. Its tension increments are always found by elimination, and its lengths are not
 // solved again. Conjugate gradients do not suffice: equal increments all along hardly move a nearly straight strand, so
 // that the metric of the masses is nearly singular for them.
-FN mask isTaut(IN(real) tautness) { return tautness > lit(3); }
+LANE_FN mask isTaut(LANE_IN(real) tautness) { return tautness > lit(3); }
 // Quotient of the conjugate gradient method; 0 if the denominator vanishes. Bounded by 16: longer steps, on strands far
 // from their lengths, are more rounding than progress.
-FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
+LANE_FN real conjugateStep(LANE_IN(real) numerator, LANE_IN(real) denominator) {
   mask some = denominator > lit(1e-30);
   return min(select(some, numerator, lit(0)) * inverse(select(some, denominator, lit(1))), lit(16));
 }
@@ -280,7 +292,8 @@ FN real conjugateStep(IN(real) numerator, IN(real) denominator) {
 // Warm start of an edge's tension, in units of length x mass (force x dt^2): the tension of the last substep. An edge
 // that rotates loses up to 2 % of it, so that errors of fast motion decay. Compression is limited to a value below the
 // buckling load. `advance`: as in timeBlend(). docs/solver.md (23).
-FN real keptTension(IN(real) tension, IN(real3) advance, IN(real) bend, IN(real) inverse_length, IN(real) time2) {
+LANE_FN real keptTension(LANE_IN(real) tension, LANE_IN(real3) advance, LANE_IN(real) bend, LANE_IN(real) inverse_length,
+                         LANE_IN(real) time2) {
   real forgotten = min(lit(200) * dot(advance, advance), lit(0.02));
   return max(tension * (lit(1) - forgotten), bend * inverse_length * time2 * lit(-0.1));
 }
@@ -288,7 +301,7 @@ FN real keptTension(IN(real) tension, IN(real3) advance, IN(real) bend, IN(real)
 // Tension of a stretch of a strand between two pins at distance `span`, over its weight or other driving force: a
 // nearly taut strand hangs in a parabola. At least 1. Slack is clamped from below so that the result is bounded.
 // `span`, `length`: m.
-FN real tautness(IN(real) span, IN(real) length) {
+LANE_FN real tautness(LANE_IN(real) span, LANE_IN(real) length) {
   real slack = max(length - span, madd(lit(1e-5), length, lit(1e-9)));
   return max(sqrt(span * inverse(lit(24) * slack)), lit(1));
 }
@@ -296,36 +309,39 @@ FN real tautness(IN(real) span, IN(real) length) {
 // bound, stiff hair could keep a false tension after fast motion. `mass`: of all free vertices; `length`: of the
 // strand, m; `driven`: acceleration by gravity plus the greatest by air and external forces, m/s^2, times the greatest
 // tautness() between its pins.
-FN real tensionBound(IN(real) mass, IN(real) length, IN(real) driven, IN(real) time2) {
+LANE_FN real tensionBound(LANE_IN(real) mass, LANE_IN(real) length, LANE_IN(real) driven, LANE_IN(real) time2) {
   return mass * time2 * madd(lit(50), length, lit(3) * driven);
 }
 
 // Bending strain, world; see jointStrain().
-FN real3 straightStrain(IN(real3) t_in, IN(real3) t) {
+LANE_FN real3 straightStrain(LANE_IN(real3) t_in, LANE_IN(real3) t) {
   real inverse_cosine = inverseSqrt(max(lit(0.5) * (lit(1) + dot(t_in, t)), lit(1e-6)));  // of half the angle
   return cross(t_in, t) * (inverse_cosine * min(inverse_cosine, lit(5)));
 }
 
 // Angle, radians, by which the outer edge must rotate about itself more than the inner one so that there is no twist
 // between them (Bergou et al. 2008, gradient of holonomy).
-FN real straightSpin(IN(real3) t_in, IN(real3) t, IN(real3) swing_in, IN(real3) swing) {
+LANE_FN real straightSpin(LANE_IN(real3) t_in, LANE_IN(real3) t, LANE_IN(real3) swing_in, LANE_IN(real3) swing) {
   return dot(cross(t, t_in), swing_in + swing) * inverse(max(lit(1) + dot(t_in, t), lit(1e-3)));
 }
 
 // Strain gained by gainedStrain() and twistedStrain(), rotated back by a quarter turn: t_in x result. The swing of the
 // outer edge is carried by the shortest rotation from it to the inner one. `spin`: mean rotation of the two edges about
 // themselves, radians.
-FN real3 straightGain(IN(real3) strain, IN(real3) t_in, IN(real3) t, IN(real3) swing_in, IN(real3) swing, IN(real) spin) {
+LANE_FN real3 straightGain(LANE_IN(real3) strain, LANE_IN(real3) t_in, LANE_IN(real3) t, LANE_IN(real3) swing_in,
+                           LANE_IN(real3) swing, LANE_IN(real) spin) {
   real along = dot(swing, t_in) * inverse(max(lit(1) + dot(t_in, t), lit(1e-3)));
   return swing - (t_in + t) * along - swing_in - strain * spin;
 }
 
 // See torqueDifference(). `damped`: bend x damping time in substeps.
-FN real straightTorque(IN(real3) strain, IN(real3) gain, IN(real) damped) { return lit(0.5) * damped * dot(strain, gain); }
+LANE_FN real straightTorque(LANE_IN(real3) strain, LANE_IN(real3) gain, LANE_IN(real) damped) {
+  return lit(0.5) * damped * dot(strain, gain);
+}
 
 // See jointMoment(). `torque`: straightTorque() of this joint; `beyond`: sum over all joints after it.
-FN real3 straightMoment(IN(real3) strain, IN(real3) gain, IN(real3) t_in, IN(real) bend, IN(real) damped, IN(real) torque,
-                        IN(real) beyond) {
+LANE_FN real3 straightMoment(LANE_IN(real3) strain, LANE_IN(real3) gain, LANE_IN(real3) t_in, LANE_IN(real) bend,
+                             LANE_IN(real) damped, LANE_IN(real) torque, LANE_IN(real) beyond) {
   real twisting = torque + lit(2) * beyond;  // moment about the inner edge before it bends
   return strain * bend + cross(t_in, gain * damped - strain * (lit(0.5) * twisting)) + t_in * (twisting + torque);
 }

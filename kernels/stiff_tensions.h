@@ -11,24 +11,28 @@
 struct Symmetric {
   real3 own, mixed;
 };
-FN Symmetric makeSymmetric(IN(real3) own, IN(real3) mixed) {
+LANE_FN Symmetric makeSymmetric(LANE_IN(real3) own, LANE_IN(real3) mixed) {
   Symmetric s;
   s.own = own;
   s.mixed = mixed;
   return s;
 }
-FN Symmetric scaled(IN(Symmetric) s, IN(real) k) { return makeSymmetric(s.own * k, s.mixed * k); }
+LANE_FN Symmetric scaled(LANE_IN(Symmetric) s, LANE_IN(real) k) { return makeSymmetric(s.own * k, s.mixed * k); }
 // s + k I.
-FN Symmetric plusEverywhere(IN(Symmetric) s, IN(real) k) { return makeSymmetric(s.own + makeReal3(k, k, k), s.mixed); }
+LANE_FN Symmetric plusEverywhere(LANE_IN(Symmetric) s, LANE_IN(real) k) {
+  return makeSymmetric(s.own + makeReal3(k, k, k), s.mixed);
+}
 // s + v w' for parallel v and w.
-FN Symmetric plusProduct(IN(Symmetric) s, IN(real3) v, IN(real3) w) {
+LANE_FN Symmetric plusProduct(LANE_IN(Symmetric) s, LANE_IN(real3) v, LANE_IN(real3) w) {
   return makeSymmetric(makeReal3(madd(v.x, w.x, s.own.x), madd(v.y, w.y, s.own.y), madd(v.z, w.z, s.own.z)),
                        makeReal3(madd(v.y, w.z, s.mixed.x), madd(v.z, w.x, s.mixed.y), madd(v.x, w.y, s.mixed.z)));
 }
-FN real3 columnX(IN(Symmetric) s) { return makeReal3(s.own.x, s.mixed.z, s.mixed.y); }
-FN real3 columnY(IN(Symmetric) s) { return makeReal3(s.mixed.z, s.own.y, s.mixed.x); }
-FN real3 columnZ(IN(Symmetric) s) { return makeReal3(s.mixed.y, s.mixed.x, s.own.z); }
-FN real3 product(IN(Symmetric) s, IN(real3) v) { return madd(columnX(s), v.x, madd(columnY(s), v.y, columnZ(s) * v.z)); }
+LANE_FN real3 columnX(LANE_IN(Symmetric) s) { return makeReal3(s.own.x, s.mixed.z, s.mixed.y); }
+LANE_FN real3 columnY(LANE_IN(Symmetric) s) { return makeReal3(s.mixed.z, s.own.y, s.mixed.x); }
+LANE_FN real3 columnZ(LANE_IN(Symmetric) s) { return makeReal3(s.mixed.y, s.mixed.x, s.own.z); }
+LANE_FN real3 product(LANE_IN(Symmetric) s, LANE_IN(real3) v) {
+  return madd(columnX(s), v.x, madd(columnY(s), v.y, columnZ(s) * v.z));
+}
 
 // LDL' factors of a positive definite matrix: inverse pivots, and factors below the diagonal. An explicit inverse would
 // not do: along and across tensions it differs by many orders of magnitude, and its small entries would be lost.
@@ -36,7 +40,7 @@ struct Triangles {
   real3 pivots;
   real xy, xz, yz;
 };
-FN Triangles trianglesOf(IN(Symmetric) s) {
+LANE_FN Triangles trianglesOf(LANE_IN(Symmetric) s) {
   Triangles t;
   t.pivots.x = inverse(s.own.x);
   t.xy = s.mixed.z * t.pivots.x;
@@ -49,7 +53,7 @@ FN Triangles trianglesOf(IN(Symmetric) s) {
   return t;
 }
 // Solves the factored system for v.
-FN real3 solved(IN(Triangles) t, IN(real3) v) {
+LANE_FN real3 solved(LANE_IN(Triangles) t, LANE_IN(real3) v) {
   real y = madd(lit(0) - t.xy, v.x, v.y);
   real z = madd(lit(0) - t.yz, y, madd(lit(0) - t.xz, v.x, v.z)) * t.pivots.z;
   y = madd(lit(0) - t.yz, z, y * t.pivots.y);
@@ -58,7 +62,7 @@ FN real3 solved(IN(Triangles) t, IN(real3) v) {
 
 // Displacement of a vertex by `push`. `some`: 1 if the vertex moves, otherwise 0. `off`, `held`: projection of a
 // pressed vertex onto the surface.
-FN real3 pushed(IN(Triangles) gives, IN(real) some, IN(real3) off, IN(real3) held, IN(real3) push) {
+LANE_FN real3 pushed(LANE_IN(Triangles) gives, LANE_IN(real) some, LANE_IN(real3) off, LANE_IN(real3) held, LANE_IN(real3) push) {
   return madd(held, lit(0) - dot(off, push), solved(gives, push) * some);
 }
 
@@ -74,7 +78,7 @@ struct OuterTensions {
   real3 along, along_far;
   real yields, excess;
 };
-FN OuterTensions noOuterTensions() {
+LANE_FN OuterTensions noOuterTensions() {
   OuterTensions none;
   real3 zero = makeReal3(lit(0), lit(0), lit(0));
   none.near = none.far = makeSymmetric(zero, zero);
@@ -98,8 +102,9 @@ struct TensionRow {
 // inverse pivot and the factors of the next two vertices inwards on it. `outer`, `inner`: action of the tension of the
 // edge before the vertex on this vertex and on the next one inwards: its tangent, or 0 if that vertex is pinned.
 // `normal`: of a body that presses the vertex, which then moves along the surface only, or 0.
-FN TensionRow eliminateTension(INOUT(OuterTensions) outside, IN(mask) moves, IN(real) alone, IN(real) factor, IN(real) factor2,
-                               IN(real3) outer, IN(real3) inner, IN(real) excess, IN(real3) normal) {
+LANE_FN TensionRow eliminateTension(LANE_INOUT(OuterTensions) outside, LANE_IN(mask) moves, LANE_IN(real) alone,
+                                    LANE_IN(real) factor, LANE_IN(real) factor2, LANE_IN(real3) outer, LANE_IN(real3) inner,
+                                    LANE_IN(real) excess, LANE_IN(real3) normal) {
   Symmetric added = outside.near;
   real3 added_x = outside.column_x, added_y = outside.column_y, added_z = outside.column_z;
   real pivot = inverse(alone), first = pivot * factor, second = pivot * factor2;  // couplings in A to the next two vertices
@@ -164,12 +169,12 @@ FN TensionRow eliminateTension(INOUT(OuterTensions) outside, IN(mask) moves, IN(
   return row;
 }
 // Increment of the edge at the root.
-FN real firstTension(IN(OuterTensions) outside) { return outside.excess * inverse(outside.yields); }
+LANE_FN real firstTension(LANE_IN(OuterTensions) outside) { return outside.excess * inverse(outside.yields); }
 // `near`, `far`: displacements of the next two vertices inwards; `lambda`: increment of the edge before the vertex.
-FN real3 shiftOf(IN(TensionRow) row, IN(real3) near, IN(real3) far, IN(real) lambda) {
+LANE_FN real3 shiftOf(LANE_IN(TensionRow) row, LANE_IN(real3) near, LANE_IN(real3) far, LANE_IN(real) lambda) {
   return row.shift - row.column_x * near.x - row.column_y * near.y - row.column_z * near.z - product(row.far, far) -
          row.by_lambda * lambda;
 }
-FN real tensionOf(IN(TensionRow) row, IN(real3) near, IN(real3) far, IN(real) lambda) {
+LANE_FN real tensionOf(LANE_IN(TensionRow) row, LANE_IN(real3) near, LANE_IN(real3) far, LANE_IN(real) lambda) {
   return row.lambda + dot(row.lambda_near, near) + dot(row.lambda_far, far) + row.lambda_by_lambda * lambda;
 }

@@ -5,15 +5,15 @@
 
 // Position after `dt` seconds without constraints. keep = exp(-drag dt) is the share of the velocity that air drag
 // leaves; wind replaces the rest. `time2`: displacement by an acceleration of 1 m/s^2, m (DragStep::time2).
-FN real3 predictPosition(IN(real3) x, IN(real3) v, IN(real3) gravity, IN(real3) wind, IN(real) keep, IN(real) dt,
-                         IN(real) time2) {
+LANE_FN real3 predictPosition(LANE_IN(real3) x, LANE_IN(real3) v, LANE_IN(real3) gravity, LANE_IN(real3) wind, LANE_IN(real) keep,
+                              LANE_IN(real) dt, LANE_IN(real) time2) {
   real3 blown = madd(v, keep, wind * (lit(1) - keep));
   return madd(gravity, time2, madd(blown, dt, x));
 }
 
 // Distance constraint |b - a| = rest between neighbours with inverse masses wa, wb (relative, 0 if pinned). Moves each
 // vertex by its share. Does nothing if both are pinned or coincide.
-FN void solveDistance(INOUT(real3) a, INOUT(real3) b, IN(real) wa, IN(real) wb, IN(real) rest) {
+LANE_FN void solveDistance(LANE_INOUT(real3) a, LANE_INOUT(real3) b, LANE_IN(real) wa, LANE_IN(real) wb, LANE_IN(real) rest) {
   real3 edge = b - a;
   real l = length(edge);
   real w = wa + wb;
@@ -28,8 +28,8 @@ FN void solveDistance(INOUT(real3) a, INOUT(real3) b, IN(real) wa, IN(real) wb, 
 // direction: a step down the gradient of |target - (b - a)|^2 with a target that rotates with p-a. Without this
 // reaction the constraint feeds energy to curled hair at rest until it flutters. wp, wa, wb: inverse masses (relative,
 // 0 if pinned).
-FN void solveAngular(INOUT(real3) p, INOUT(real3) a, INOUT(real3) b, IN(real) wp, IN(real) wa, IN(real) wb, IN(real3) target,
-                     IN(real) strength) {
+LANE_FN void solveAngular(LANE_INOUT(real3) p, LANE_INOUT(real3) a, LANE_INOUT(real3) b, LANE_IN(real) wp, LANE_IN(real) wa,
+                          LANE_IN(real) wb, LANE_IN(real3) target, LANE_IN(real) strength) {
   real3 delta = target - (b - a);
   real3 parent = a - p;
   real3 reaction = cross(parent, cross(target, delta));  // times 1 / |parent|^2
@@ -45,27 +45,27 @@ FN void solveAngular(INOUT(real3) p, INOUT(real3) a, INOUT(real3) b, IN(real) wp
 
 // Rotation without twist that carries a frame from an edge of unit direction `from` to its neighbour of unit direction
 // `to` (Bishop 1975). Frames along a strand are products of these from the root outwards.
-FN quat transportFrame(IN(real3) from, IN(real3) to) { return rotationBetween(from, to); }
+LANE_FN quat transportFrame(LANE_IN(real3) from, LANE_IN(real3) to) { return rotationBetween(from, to); }
 
 // The goal pull is an undamped spring from a vertex to its goal: its position in the rest shape as the root carries it.
 // Acceleration rate^2 (goal - x), rate in 1/s, at the end of the substep (implicit Euler). goalStiffness() is added to
 // the vertex's mass in a linear system for its displacement, and goalPull() replaces acceleration x mass. `time2`: s^2,
 // displacement by an acceleration of 1 m/s^2 (DragStep::time2).
-FN real goalStiffness(IN(real) mass, IN(real) rate, IN(real) time2) { return mass * rate * rate * time2; }
+LANE_FN real goalStiffness(LANE_IN(real) mass, LANE_IN(real) rate, LANE_IN(real) time2) { return mass * rate * rate * time2; }
 // Right-hand side (m x mass) of a vertex. `lack`: vector to its goal; `way`: displacement without the pull; both m.
 // `mass` includes the stiffness.
-FN real3 goalPull(IN(real3) way, IN(real) mass, IN(real) stiffness, IN(real3) lack) {
+LANE_FN real3 goalPull(LANE_IN(real3) way, LANE_IN(real) mass, LANE_IN(real) stiffness, LANE_IN(real3) lack) {
   return madd(lack - way, stiffness, way * mass);
 }
 // Position after the same pull on a vertex without other forces, in place of x.
-FN real3 drawnToGoal(IN(real3) x, IN(real3) goal, IN(real) rate, IN(real) time2) {
+LANE_FN real3 drawnToGoal(LANE_IN(real3) x, LANE_IN(real3) goal, LANE_IN(real) rate, LANE_IN(real) time2) {
   real stiffness = goalStiffness(lit(1), rate, time2);
   return madd(goal - x, stiffness * inverse(lit(1) + stiffness), x);
 }
 
 // Tether: keeps x within `longest` (m) of its root, as a rope does (Kim, Chentanez, Mueller-Fischer 2012, "Long Range
 // Attachments"). A few sweeps of constraints between neighbours do not carry the root's tension to the tip.
-FN real3 tethered(IN(real3) x, IN(real3) root, IN(real) longest) {
+LANE_FN real3 tethered(LANE_IN(real3) x, LANE_IN(real3) root, LANE_IN(real) longest) {
   real3 away = x - root;
   real l2 = dot(away, away);
   mask taut = l2 > longest * longest;

@@ -7,10 +7,10 @@
 // isotropic, and the symbols are the prediction's error.
 
 /// Nearest whole number, ties to even; |x| <= 2^22.
-FN real nearestWhole(real x) { return (x + lit(12582912)) - lit(12582912); }
+LANE_FN real nearestWhole(real x) { return (x + lit(12582912)) - lit(12582912); }
 
 /// Nearest grid point, in steps, clamped to +-most; -most for NaN.
-FN real gridNumber(real position, real step, real most) {
+LANE_FN real gridNumber(real position, real step, real most) {
   const real low = lit(0) - most, steps = position / step;
   const real above = select(low < steps, steps, low);
   return nearestWhole(select(above < most, above, most));
@@ -20,20 +20,20 @@ struct OctahedralPoint {
   real u, v;
 };
 
-FN real octahedralFold(real across, real along) { return (lit(1) - abs(across)) * select(along >= lit(0), lit(1), lit(-1)); }
+LANE_FN real octahedralFold(real across, real along) { return (lit(1) - abs(across)) * select(along >= lit(0), lit(1), lit(-1)); }
 
 /// Metric of the squared angle, to first order, by which the direction turns when the point moves by (du, dv): the
 /// movement on the octahedron without its component along the direction.
 struct OctahedralMetric {
   real uu, uv, vv;
 };
-FN real turnOf(const OctahedralMetric& metric, real du, real dv) {
+LANE_FN real turnOf(const OctahedralMetric& metric, real du, real dv) {
   return metric.uu * du * du + lit(2) * metric.uv * du * dv + metric.vv * dv * dv;
 }
 
 /// The grid point whose direction is nearest to a direction of any length above 0. Rounding each coordinate alone
 /// would increase the largest error by half, where the octahedron's faces are steepest to its axes.
-FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
+LANE_FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
   const real3 p = direction * (lit(1) / (abs(direction.x) + abs(direction.y) + abs(direction.z)));
   const real sign_x = select(p.x >= lit(0), lit(1), lit(-1)), sign_y = select(p.y >= lit(0), lit(1), lit(-1));
   const mask below = p.z < lit(0);
@@ -65,7 +65,7 @@ FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
 }
 
 /// The direction of a point, unit.
-FN real3 fromOctahedral(const OctahedralPoint& point, real steps) {
+LANE_FN real3 fromOctahedral(const OctahedralPoint& point, real steps) {
   const real step = lit(2) / steps;
   const real x = point.u * step - lit(1), y = point.v * step - lit(1);
   const real z = lit(1) - abs(x) - abs(y);
@@ -74,12 +74,12 @@ FN real3 fromOctahedral(const OctahedralPoint& point, real steps) {
   return p * (lit(1) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z));
 }
 
-FN real plainDot(const real3& a, const real3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-FN real3 unit(const real3& a) { return a * (lit(1) / sqrt(plainDot(a, a))); }
+LANE_FN real plainDot(const real3& a, const real3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+LANE_FN real3 unit(const real3& a) { return a * (lit(1) / sqrt(plainDot(a, a))); }
 
 /// Rotates `a` by the smallest rotation from `from` to `to`, all unit (parallel transport; Bergou et al., Discrete
 /// Elastic Rods, 2008). Returns `a` where these are almost opposite.
-FN real3 turned(const real3& a, const real3& from, const real3& to) {
+LANE_FN real3 turned(const real3& a, const real3& from, const real3& to) {
   const real cosine = plainDot(from, to);
   const real3 both = from + to;
   const real3 less = a - both * (plainDot(both, a) / (lit(1) + cosine));
@@ -88,7 +88,7 @@ FN real3 turned(const real3& a, const real3& from, const real3& to) {
 
 /// Axes u and v of the plane normal to a unit vector (Duff et al., Building an Orthonormal Basis, Revisited, JCGT
 /// 2017).
-FN void axesAcross(const real3& n, OUT(real3) u, OUT(real3) v) {
+LANE_FN void axesAcross(const real3& n, LANE_OUT(real3) u, LANE_OUT(real3) v) {
   const real sign = select(n.z < lit(0), lit(-1), lit(1));
   const real a = lit(-1) / (sign + n.z), b = n.x * n.y * a;
   u = makeReal3(lit(1) + sign * n.x * n.x * a, sign * b, lit(-1) * sign * n.x);

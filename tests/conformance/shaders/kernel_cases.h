@@ -6,14 +6,14 @@ struct KernelOutput {
   real v[9];
 };
 
-FN real3 in3(IN(KernelInput) i, int at) { return makeReal3(i.v[at], i.v[at + 1], i.v[at + 2]); }
-FN quat in4(IN(KernelInput) i, int at) { return makeQuat(i.v[at], i.v[at + 1], i.v[at + 2], i.v[at + 3]); }
-FN void out3(INOUT(KernelOutput) o, int at, IN(real3) value) {
+LANE_FN real3 in3(LANE_IN(KernelInput) i, int at) { return makeReal3(i.v[at], i.v[at + 1], i.v[at + 2]); }
+LANE_FN quat in4(LANE_IN(KernelInput) i, int at) { return makeQuat(i.v[at], i.v[at + 1], i.v[at + 2], i.v[at + 3]); }
+LANE_FN void out3(LANE_INOUT(KernelOutput) o, int at, LANE_IN(real3) value) {
   o.v[at] = value.x;
   o.v[at + 1] = value.y;
   o.v[at + 2] = value.z;
 }
-FN void out4(INOUT(KernelOutput) o, IN(quat) value) {
+LANE_FN void out4(LANE_INOUT(KernelOutput) o, LANE_IN(quat) value) {
   o.v[0] = value.x;
   o.v[1] = value.y;
   o.v[2] = value.z;
@@ -21,7 +21,7 @@ FN void out4(INOUT(KernelOutput) o, IN(quat) value) {
 }
 
 // Kernel numbers are those of tests/conformance/kernel_conformance.h.
-FN KernelOutput runKernel(int kernel, IN(KernelInput) i) {
+LANE_FN KernelOutput runKernel(int kernel, LANE_IN(KernelInput) i) {
   KernelOutput o;
   for (int c = 0; c < 9; ++c) o.v[c] = lit(0);
   if (kernel == 0) {
