@@ -64,7 +64,7 @@ inline void distancesPass(const MovingPrimitive& primitive, const uint32_t* word
     for (size_t lane = 0; lane < kLanes; ++lane)
       for (size_t c = 0; c < 3; ++c) x[c][lane] = static_cast<Scalar>(points[3 * (first + (lane < lanes ? lane : 0)) + c]);
     const real3 at = makeReal3(load(x[0]), load(x[1]), load(x[2]));
-    store(surfaceAt(body, at, lit(0), lit(0) < lit(1)).distance, distance);
+    store(surfaceAt(body, at, lit(0), maskAll()).distance, distance);
     for (size_t lane = 0; lane < lanes; ++lane) out[first + lane] = static_cast<float>(distance[lane]);
   }
 }

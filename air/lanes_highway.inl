@@ -27,6 +27,7 @@ HWY_INLINE real fill(Scalar value) { return {hn::Set(Tag(), value)}; }
 HWY_INLINE real load(const Scalar* p) { return {hn::LoadU(Tag(), p)}; }
 HWY_INLINE real operator+(real a, real b) { return {hn::Add(a.v, b.v)}; }
 HWY_INLINE real operator-(real a, real b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE real operator-(real a) { return {hn::Neg(a.v)}; }
 HWY_INLINE real operator*(real a, real b) { return {hn::Mul(a.v, b.v)}; }
 HWY_INLINE real madd(real a, real b, real c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
 HWY_INLINE real min(real a, real b) { return {hn::Min(a.v, b.v)}; }

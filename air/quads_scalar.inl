@@ -18,6 +18,7 @@ inline real twoAndTwo(const Scalar* p, const Scalar* q) { STRANDCAST_EACH(c < 2 
 inline real lastOf(const real& a) { STRANDCAST_EACH(a.v[3]) }
 inline real operator+(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] + b.v[c]) }
 inline real operator-(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] - b.v[c]) }
+inline real operator-(const real& a) { STRANDCAST_EACH(-a.v[c]) }
 inline real operator*(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] * b.v[c]) }
 inline real madd(const real& a, const real& b, const real& d) { STRANDCAST_EACH(std::fma(a.v[c], b.v[c], d.v[c])) }
 inline real min(const real& a, const real& b) { STRANDCAST_EACH(a.v[c] < b.v[c] ? a.v[c] : b.v[c]) }

@@ -57,6 +57,7 @@ inline real counted(float value, int count = 1) {
 inline real lit(double value) { return {static_cast<float>(value)}; }
 inline real operator+(real a, real b) { return counted(a.v + b.v); }
 inline real operator-(real a, real b) { return counted(a.v - b.v); }
+inline real operator-(real a) { return counted(-a.v); }
 inline real operator*(real a, real b) { return counted(a.v * b.v); }
 inline real operator/(real a, real b) { return counted(a.v / b.v); }
 inline real madd(real a, real b, real c) { return counted(std::fma(a.v, b.v, c.v), 2); }
@@ -71,6 +72,8 @@ inline mask operator<(real a, real b) { return a.v < b.v; }
 inline mask operator>(real a, real b) { return a.v > b.v; }
 inline mask operator<=(real a, real b) { return a.v <= b.v; }
 inline mask operator>=(real a, real b) { return a.v >= b.v; }
+inline mask maskAll() { return true; }
+inline mask maskNone() { return false; }
 inline real select(mask m, real a, real b) { return m ? a : b; }
 inline real load(const Scalar* p) { return {*p}; }
 inline void store(real value, Scalar* p) { *p = value.v; }

@@ -44,7 +44,7 @@ inline SubstepBody bodyAt(const MovingPrimitive& p, const uint32_t* words, doubl
   keep(b, body.b);
   keep(a_step * lit(part), body.a_motion);
   const bool capsule = body.kind == PrimitiveKind::kCapsule || body.kind == PrimitiveKind::kTaperedCapsule;
-  const real3 half = capsule ? (b - a) * lit(0.5) : makeReal3(lit(0), lit(0), lit(0));
+  const real3 half = capsule ? (b - a) * lit(0.5) : zero3();
   const float thickest = body.kind == PrimitiveKind::kTaperedCapsule ? std::max(p.radius, p.radius_b) : p.radius;
   const real ball = length(half) + lit(thickest + hair_radius);
   keep(a + half, body.middle);
@@ -152,7 +152,6 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
   SurfacePoint out;
   const FieldLookup found = sampleField(body, x, lanes);
   const FieldGrid& grid = found.grid;
-  const real3 none = makeReal3(lit(0), lit(0), lit(0));
   const real beyond = max(clear, lit(grid.band));
   const mask outside = found.side > lit(0.5), away = lanes && outside;
   out.even = lit(0);
@@ -160,7 +159,7 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
   if (anyTrue(away)) out.least = max(out.least, cornerLowerBound(body, found, away));
   const mask near = lanes && !outside;
   if (!anyTrue(near)) {  // no lane is near enough for contact
-    out.normal = none;
+    out.normal = zero3();
     out.distance = beyond;
     return out;
   }
@@ -188,7 +187,7 @@ inline SurfacePoint fieldSurfaceAt(const SubstepBody& body, const real3& x, cons
     }
   }
   const real distance = fieldDistance(found.place, at, lit(grid.cell), lit(grid.band), lit(grid.quantum), clear, out.normal);
-  out.normal = select(outside, none, out.normal);
+  out.normal = select(outside, zero3(), out.normal);
   out.least = select(outside, out.least, distance);
   out.distance = select(outside, beyond, distance);
   const real3 t = found.place.in_brick;
@@ -282,15 +281,14 @@ inline SurfacePoint surfaceAt(const SubstepBody& body, const real3& x, const rea
 // Lower bound of the distance of points from the surface, m. Cheaper than surfaceAt() for fields, ellipsoids and convex
 // bodies.
 [[gnu::noinline]] inline real distanceLowerBound(const SubstepBody& body, const real3& x) {
-  const mask all = lit(0) < lit(1);
   if (body.kind == PrimitiveKind::kField) {
     const real3 local = rotateBack(spread(body.rotation), x - spread(body.a));
-    if (!isBent(body)) return cornerLowerBound(body, sampleField(body, local, all), all);
+    if (!isBent(body)) return cornerLowerBound(body, sampleField(body, local, maskAll()), maskAll());
     const MovingBend moving = movingBendOf(body);
-    const FieldLookup found = sampleField(body, local + bendShift(bendAt(moving, body.time), local), all);
-    return cornerLowerBound(body, found, all) / lit(moving.stretch);
+    const FieldLookup found = sampleField(body, local + bendShift(bendAt(moving, body.time), local), maskAll());
+    return cornerLowerBound(body, found, maskAll()) / lit(moving.stretch);
   }
   if (body.kind == PrimitiveKind::kEllipsoid || body.kind == PrimitiveKind::kConvex)
     return length(x - spread(body.middle)) - lit(body.ball);
-  return surfaceAt(body, x, lit(0), all).distance;
+  return surfaceAt(body, x, lit(0), maskAll()).distance;
 }

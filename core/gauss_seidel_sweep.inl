@@ -95,13 +95,12 @@ inline void stepGaussSeidel(const Block& b, const StepInput& input, Scalar* scra
       }
       if (near.size() > 0) {
         const StepScope scope{StepPart::kContact};
-        const real3 zero = makeReal3(lit(0), lit(0), lit(0));
         for (int i = 0; i < n; ++i) {
           const real3 reached = load3(b.position, i);
           const ContactPlane plane = near.nearest(i, reached, load3(start, i));
           const mask touches = plane.gap < lit(0) && inverseMass(b, i) > lit(0.5);
           if (!anyTrue(touches)) continue;
-          real3 force = zero;
+          real3 force = zero3();
           const real3 out = resolveContact(reached, plane.carried, plane.normal, plane.gap, plane.friction, lit(1), force);
           store3(select(touches, out, reached), b.position, i);
         }

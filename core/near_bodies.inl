@@ -98,7 +98,7 @@ class NearBodies {
     roots_ = roots;
     covered_ = 0;
     for (size_t k = 0; k < placedBodies(); ++k) {
-      const Scalar left = known_roots_ ? root_bounds_[k] + reduceMin(lit(0) - way) : Scalar(-1);
+      const Scalar left = known_roots_ ? root_bounds_[k] + reduceMin(-way) : Scalar(-1);
       root_bounds_[k] = left;
       if (left >= 0) continue;
       const real depths = rootDepths(placed_[k]), room = depthForExitArc(firstEdge()) - depths;
@@ -112,12 +112,11 @@ class NearBodies {
   /// Contact plane of the nearest of all bodies for vertex `v`; see closestContact(). Used by gauss_seidel.
   ContactPlane nearest(int v, const real3& x, const real3& x_start) const {
     const real clear = clearance(v), reach = contactReach();
-    const mask all = lit(0) < lit(1);
     ContactPlane nearest = noContact(x, reach);
     auto visit = [&](const SubstepBody& body, const Scalar* root_depths) {
       const real own_clear = root_depths != nullptr ? clearanceInReach(clear, load(root_depths), arcLength(v)) : clear;
       ContactPlane own = noContact(x, reach);
-      closestContact(body, x, x_start, own_clear, reach, all, own);
+      closestContact(body, x, x_start, own_clear, reach, maskAll(), own);
       nearest = chosen(own.gap < nearest.gap, own, nearest);
     };
     forBodies((uint32_t{1} << placedBodies()) - 1, visit);
@@ -169,7 +168,7 @@ class NearBodies {
   /// runContactQueries() must follow.
   void queueContactQuery(int i, const real3& x, const real3& x_start) {
     planes_[i] = 0;
-    queueQuery(i, x, x_start, lit(0) < lit(1));
+    queueQuery(i, x, x_start, maskAll());
     if (queries_.count() >= kLanes) queryContacts();
   }
   /// Runs all queued queries.
@@ -179,12 +178,12 @@ class NearBodies {
   }
   /// Within the substep: queries again for vertex i, now at x, in those of `lanes` whose cache is stale.
   void requeryIfMoved(int i, const real3& x, const real3& x_start, const mask& lanes) {
-    requery(i, x, x_start, lanes, lit(0) < lit(0));
+    requery(i, x, x_start, lanes, maskNone());
   }
   /// At the end of the substep: as requeryIfMoved(), and also in those of `lanes` that are nearer to a plane than
   /// requeryMargin(). Returns the lanes that have queried, in which penetration must be resolved.
   mask requeryIfMovedOrNear(int i, const real3& x, const real3& x_start, const mask& lanes) {
-    const mask near = planes_[i] > 0 ? lanes && gap(i, x) < requeryMargin() : lit(0) < lit(0);
+    const mask near = planes_[i] > 0 ? lanes && gap(i, x) < requeryMargin() : maskNone();
     return requery(i, x, x_start, lanes, near);
   }
   /// Relative travel: upper bound of the distance from x_start to x as seen from any body, m.
@@ -230,7 +229,7 @@ class NearBodies {
   }
   /// Lanes in which vertex i has two contact planes.
   mask hasTwoContactPlanes(int i) const {
-    if (planes_[i] < 2) return lit(0) < lit(0);
+    if (planes_[i] < 2) return maskNone();
     return min(get(offsetOf(0), i), get(offsetOf(1), i)) > lit(kNoPlane);
   }
   /// Deepest contact plane of vertex i at x, with the strand's friction factor.
@@ -272,7 +271,7 @@ class NearBodies {
       const real room = length(roots_ - spread(body.middle)) - lit(body.ball);
       if (!anyTrue(room < clear)) return clear - room;
     }
-    return clear - surfaceAt(body, roots_, noClearance(), lit(0) < lit(1)).distance;
+    return clear - surfaceAt(body, roots_, noClearance(), maskAll()).distance;
   }
   // Arc length of vertex i from its root, m.
   real arcLength(int i) const {
@@ -357,7 +356,7 @@ class NearBodies {
     const real ahead = travelled + way + reachAlong(way);
     const mask may_see = lanes && ahead >= nearest;
     if (!anyTrue(may_see)) return;
-    const Scalar farthest = -reduceMin(select(may_see, lit(0) - ahead, lit(0)));
+    const Scalar farthest = -reduceMin(select(may_see, -ahead, lit(0)));
     real others = lit(1e9);  // least bound of the bodies that no lane of the row has to query
     uint32_t near = 0;
     for (int k = 0; k < kPlacedBodies; k += kLanes) {
@@ -571,7 +570,7 @@ class NearBodies {
   size_t motions_ = 0;
   Vec3 middle_ = Vec3::Zero();  // m, centre of a box that holds the strands throughout the step
   float radius_ = 0;            // m, radius of its bounding ball
-  real3 roots_ = makeReal3(lit(0), lit(0), lit(0));
+  real3 roots_ = zero3();
   uint32_t covered_ = 0;  // bit mask of placed bodies that cover some root; root_depths_ has the depths of these
   alignas(64) Scalar root_depths_[kPlacedBodies][kLanes];
   Scalar root_bounds_[kPlacedBodies];  // m, separation bound of the roots from covering, per placed body

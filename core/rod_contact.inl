@@ -40,7 +40,7 @@ inline void RodStep::findContact(int i, const real3& shift, const real3& moved) 
 // that is only near gets a row, too, and may become held; otherwise rounding at the surface would decide the result of
 // a step. Not inlined, so that the sweep stays small.
 [[gnu::noinline]] inline void RodStep::holdAtContact(int i, const real3& x, const real3& moved) {
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0)), before = has_force_[i] ? state3(b.contact, i) : zero;
+  const real3 before = has_force_[i] ? state3(b.contact, i) : zero3();
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
   recordContact(i, gap, pressed_before);
@@ -53,11 +53,11 @@ inline void RodStep::findContact(int i, const real3& shift, const real3& moved) 
                                before, row.follows, row.kept_friction) -
              x;
   row.force = before;
-  row.load = select(touches && !held, zero - before, zero);
+  row.load = select(touches && !held, -before, zero3());
   row.held = select(held, lit(1), lit(0));
   row.follows = select(held, row.follows, lit(0));
   row.friction = plane.friction;
-  set3(kNormal, i, select(near, plane.normal, zero));
+  set3(kNormal, i, select(near, plane.normal, zero3()));
   has_force_[i] = has_normal_[i] = true;
   in_contact_ = in_contact_ || touches;
 }
@@ -67,15 +67,14 @@ inline void RodStep::findContact(int i, const real3& shift, const real3& moved) 
 // displacements and stores the contact forces.
 [[gnu::noinline]] inline void RodStep::pressThroughBending() {
   const StepScope scope{StepPart::kContact};
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  auto isHeld = [&](int i) { return has_normal_[i] ? heldRow(i).held > lit(0) : lit(0) > lit(0); };
-  mask changed = lit(0) < lit(1);
+  auto isHeld = [&](int i) { return has_normal_[i] ? heldRow(i).held > lit(0) : maskNone(); };
+  mask changed = maskAll();
   for (int round = 0; round < kActiveSetIterations && anyTrue(changed); ++round) {
     // Tip to root. `near`, `between`, `far`: what the vertices farther out change, against the elimination of A alone,
     // on this vertex's diagonal, on its coupling to the next vertex inwards and on that one's diagonal. The elimination
     // of A itself is not repeated (see OuterTensions in kernels/stiff_tensions.h).
     real near = lit(0), between = lit(0), far = lit(0);
-    real3 right = zero, right_far = zero;
+    real3 right = zero3(), right_far = zero3();
     for (int e = ne - 1; e >= 0; --e) {
       HeldRow& row = heldRow(e + 1);
       const mask held = isHeld(e + 1), fixed = held || !(weight(e + 1) > lit(0));
@@ -93,11 +92,11 @@ inline void RodStep::findContact(int i, const real3& shift, const real3& moved) 
       between = row.second * (first * less - between * row.compliance);
       far = row.second * row.second * less;
       right = right_far - row.moved * row.across;
-      right_far = zero - row.moved * row.second;
+      right_far = zero3() - row.moved * row.second;
     }
     // Root to tip: displacements, and the reactions at held vertices.
-    real3 moved_in = zero, moved_in2 = zero;
-    changed = lit(0) > lit(0);
+    real3 moved_in = zero3(), moved_in2 = zero3();
+    changed = maskNone();
     for (int e = 0; e < ne; ++e) {
       HeldRow& row = heldRow(e + 1);
       const real3 coupled_in = moved_in * row.across + moved_in2 * row.second;
@@ -107,23 +106,23 @@ inline void RodStep::findContact(int i, const real3& shift, const real3& moved) 
       if (!has_normal_[e + 1]) continue;
       const mask held = isHeld(e + 1);
       const real3 normal = get3(kNormal, e + 1);
-      row.reaction = select(held, row.moved * row.own + coupled_in - row.right, zero);
+      row.reaction = select(held, row.moved * row.own + coupled_in - row.right, zero3());
       const mask goes = held && isReleased(row.force, row.reaction, normal);
       const mask comes = !held && becomesHeld(row.push, row.moved, normal);
       row.held = select(goes, lit(0), select(comes, lit(1), row.held));
-      row.load = select(goes, zero - row.force, select(comes, zero, row.load));
+      row.load = select(goes, -row.force, select(comes, zero3(), row.load));
       changed = changed || goes || comes;
     }
   }
   for (int i = 1; i < n; ++i) {
     const HeldRow& row = heldRow(i);
-    set3(kShift, i, get3(kShift, i) + select(in_contact_, row.moved, zero));
+    set3(kShift, i, get3(kShift, i) + select(in_contact_, row.moved, zero3()));
     if (!has_normal_[i]) continue;
     const real3 normal = get3(kNormal, i),
                 force = heldForce(row.force, row.reaction, row.follows, row.kept_friction, normal, row.friction);
     const mask held = row.held > lit(0);
     store3(select(held, force, row.load + row.force), b.contact, i);
-    set3(kNormal, i, select(held, normal, zero));
+    set3(kNormal, i, select(held, normal, zero3()));
     set(kSoftness, i, select(held, lit(0), get(kSoftness, i)));
   }
 }
@@ -157,7 +156,7 @@ inline real3 RodStep::resolvePenetration(int i, const real3& shift, const real3&
     const ContactPlane plane = near_.deepestPlane(i, x);
     best = select(plane.gap > least, x, best);
     least = max(least, plane.gap);
-    const mask deep = lanes && plane.gap < lit(0) - contactSlack();
+    const mask deep = lanes && plane.gap < -contactSlack();
     if (round == 4 || !anyTrue(deep)) return best;
     const real edge = lengthOf(i - 1);
     if (round == 3) {

@@ -82,7 +82,7 @@ class RodStep {
       predict(root, time);
       eliminateTwist();
       eliminateBending();
-      in_length_pass_ = lit(0) < lit(1);
+      in_length_pass_ = maskAll();
       near_contact_ = in_contact_ = !in_length_pass_;
       nearness_ = lit(0);
       moveByForces();
@@ -104,7 +104,7 @@ class RodStep {
       frame_ = root.rotation;
     }
     if (!among_bodies_ && !in.primitives.empty())
-      for (int i = 0; i < n; ++i) store3(makeReal3(lit(0), lit(0), lit(0)), b.contact, i);
+      for (int i = 0; i < n; ++i) store3(zero3(), b.contact, i);
   }
 
  private:
@@ -186,7 +186,7 @@ class RodStep {
   real3 resolvePenetration(int i, const real3& shift, const real3& inner);
   real3 rotatedOutOfBodies(int i, const real3& placed, const real3& inner, const mask& lanes);
   bool hasNormal(int i) const { return among_bodies_ && has_normal_[i]; }
-  real3 normalAt(int i) const { return hasNormal(i) ? get3(kNormal, i) : makeReal3(lit(0), lit(0), lit(0)); }
+  real3 normalAt(int i) const { return hasNormal(i) ? get3(kNormal, i) : zero3(); }
   // Part of a push on vertex i that contact does not cancel.
   real3 heldAt(int i, const real3& push) const { return hasNormal(i) ? alongSurface(push, get3(kNormal, i)) : push; }
   // Length residual of edge e for the length solve. Taut strands have none in the second length pass unless a body is
@@ -356,12 +356,11 @@ inline void RodStep::eliminateTwist() {
 // system.
 inline void RodStep::eliminateBending() {
   const StepScope scope{StepPart::kBend};
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   const real3 lambda = fill3(p.gravity) * lit(time2_) + fill3(p.wind) * lit(h * (1 - keep_)) - jump_;
   real turn = get(kRight, ne - 1);
   quat outer = twistFrame(state4(b.frame, ne - 1), clamp(turn, lit(-1), lit(1)));
   real3 t = get3(kTangent, ne - 1), t_out = t, t_out2 = t;
-  real3 moment_out = zero, force_out = zero, y1 = zero, y2 = zero;
+  real3 moment_out = zero3(), force_out = zero3(), y1 = zero3(), y2 = zero3();
   // Of the rows of the next two vertices outwards, after elimination of the vertices farther out: inverse pivots and
   // row sums. In the whole matrix, rows sum to the masses, because a translation does not bend the strand. Pivots are
   // computed from row sums, which avoids cancellation between large stiffnesses.
@@ -434,7 +433,7 @@ inline real3 RodStep::collide(int i, const real3& shift) {
 // collide() for a vertex that may touch a body. Stores the contact normal for the length solve, which must not push the
 // vertex back in. Not inlined, so that sweeps of strands far from bodies stay small.
 [[gnu::noinline]] inline real3 RodStep::pressed(int i, const real3& shift, const real3& x) {
-  const real3 before = has_force_[i] ? state3(b.contact, i) : makeReal3(lit(0), lit(0), lit(0));
+  const real3 before = has_force_[i] ? state3(b.contact, i) : zero3();
   const mask pressed_before = dot(before, before) > lit(0);
   const real gap = near_.gap(i, x);
   recordContact(i, gap, pressed_before);
@@ -464,7 +463,7 @@ class RodStep::TensionShifts {
     const real3 t_in = t_;
     const bool last = e + 1 == s_.ne;
     pull_ = last ? lit(0) : s_.get(kRight, e + 1);
-    t_ = last ? makeReal3(lit(0), lit(0), lit(0)) : s_.get3(kTangent, e + 1);
+    t_ = last ? zero3() : s_.get3(kTangent, e + 1);
     const real3 push = shiftByTensions(t_in, lambda_in, t_, pull_, s_.get(kSoftness, e + 1));
     return madd(s_.heldAt(e + 1, push), s_.weight(e + 1), s_.get3(kShift, e + 1));
   }
@@ -480,7 +479,7 @@ class RodStep::TensionShifts {
 template <class Shift>
 void RodStep::moveAndEliminateLengths(Shift shift) {
   real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
-  real3 t_in = makeReal3(lit(0), lit(0), lit(0)), normal_in = t_in, normal_in2 = t_in;
+  real3 t_in = zero3(), normal_in = t_in, normal_in2 = t_in;
   real w_in = lit(0), w_in2 = lit(0);
   real own = lit(0), excess = lit(0), lower = lit(0), right = lit(0), factor = lit(0);
   // Eliminates row e and returns its inverse pivot. `own_out`: diagonal entry by its outer vertex.
@@ -543,7 +542,7 @@ class RodStep::BentMoves {
 
  private:
   const RodStep& s_;
-  real3 d1_ = makeReal3(lit(0), lit(0), lit(0)), d2_ = d1_;
+  real3 d1_ = zero3(), d2_ = d1_;
   real l1_in_ = lit(0), l2_in_ = lit(0), l2_in2_ = lit(0);
 };
 
@@ -589,7 +588,6 @@ inline real RodStep::substituteLengths() {
 // the second length pass is in the metric of the masses.
 inline void RodStep::applyTensionsThroughBending(const mask& dense_metric) {
   const StepScope scope{StepPart::kTensions};
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   real product = lit(0);  // residual . preconditioned residual
   real3 old_in = state3(b.position, 0), shift_in = get3(kShift, 0);
   for (int e = 0; e < ne; ++e) {
@@ -609,14 +607,14 @@ inline void RodStep::applyTensionsThroughBending(const mask& dense_metric) {
   real kept = lit(0);  // share of the last search direction in the new one
   for (int iteration = 1;; ++iteration) {
     // Tip to root: the search direction, and elimination of bending under its tensions.
-    real3 t_out = zero, y1 = zero, y2 = zero;
+    real3 t_out = zero3(), y1 = zero3(), y2 = zero3();
     real lambda_out = lit(0);
     for (int e = ne - 1; e >= 0; --e) {
       const real lambda = madd(get(kConjugate, e), kept, get(kCorrection, e));
       set(kConjugate, e, lambda);
       const real3 t = get3(kTangent, e);
       const real3 push = heldAt(e + 1, shiftByTensions(t, lambda, t_out, lambda_out, lit(0)));
-      const real3 y = select(weight(e + 1) > lit(0), push, zero) - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
+      const real3 y = select(weight(e + 1) > lit(0), push, zero3()) - y1 * get(kFactor1, e) - y2 * get(kFactor2, e);
       set3(kStrain, e, y * get(kPivot, e));
       y2 = y1;
       y1 = y;
@@ -625,17 +623,17 @@ inline void RodStep::applyTensionsThroughBending(const mask& dense_metric) {
     }
     // Root to tip: displacements by the direction, and how much they shorten the edges.
     BentMoves moves(*this);
-    real3 moved_in = zero;
+    real3 moved_in = zero3();
     real curvature = lit(0);
     for (int e = 0; e < ne; ++e) {
-      const real3 moved = select(weight(e + 1) > lit(0), heldAt(e + 1, moves.next(e)), zero);
+      const real3 moved = select(weight(e + 1) > lit(0), heldAt(e + 1, moves.next(e)), zero3());
       set3(kStrain, e, moved);
       curvature = madd(get(kConjugate, e), dot(get3(kTangent, e), moved_in - moved), curvature);
       moved_in = moved;
     }
     // Root to tip: the step along the direction, and elimination of the tridiagonal preconditioner.
     const real step = conjugateStep(product, curvature);
-    moved_in = zero;
+    moved_in = zero3();
     real y = lit(0);
     for (int e = 0; e < ne; ++e) {
       const real3 moved = get3(kStrain, e), shift = get3(kShift, e + 1);
@@ -681,8 +679,7 @@ inline real RodStep::finish(bool any_overshot) {
   if (b.pinned) shareMissing();
   const real inverse_h = lit(1 / h);
   real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in, inner = root_.position;
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  real3 turned = zero;  // m, displacement of the vertex by penetration resolution
+  real3 turned = zero3();  // m, displacement of the vertex by penetration resolution
   real way2 = lit(0);
   store3(shift * inverse_h, b.velocity, 0);
   store3(inner, b.position, 0);
@@ -696,7 +693,7 @@ inline real RodStep::finish(bool any_overshot) {
     if (among_bodies_) {
       const real3 kept = resolvePenetration(e + 1, shift, inner);
       if (any_overshot) {
-        turned = select(weight(e + 1) > lit(0), turned, zero);
+        turned = select(weight(e + 1) > lit(0), turned, zero3());
         const real3 went = shift - turned;
         way2 = max(way2, dot(went, went));
         turned = turned + (kept - shift);
@@ -718,7 +715,7 @@ inline real RodStep::finish(bool any_overshot) {
 // restBends() of core/strand_model.h.
 inline void RodStep::computeBendTraits() {
   real bends = lit(0), changes = lit(0), second_changes = lit(0);
-  real3 before = makeReal3(lit(0), lit(0), lit(0)), change_before = before;
+  real3 before = zero3(), change_before = before;
   for (int j = 1; j < ne; ++j) {
     const real3 strain = state3(b.rest_strain, j), change = strain - before, second = change - change_before;
     bends = bends + dot(strain, strain);
@@ -745,7 +742,7 @@ inline real RodStep::airAccelerationBound(int i, const real& wind) const {
 
 // Runs once per step, before its first substep.
 inline void RodStep::computeTraits() {
-  mask seen_free = lit(1) < lit(0);
+  mask seen_free = maskNone();
   between_pins_ = seen_free;
   real length = lit(0), hung = lit(0), shortest = lengthOf(0), driven = lit(0);
   const real wind = lit(p.air_drag * p.wind.norm());
@@ -774,7 +771,7 @@ inline real RodStep::maxTautness() const {
   real most = lit(1), length = lit(0);  // since the last pin
   if (!b.pinned) return most;
   real3 pin = end_.position;
-  mask follows_pin = lit(0) < lit(1);
+  mask follows_pin = maskAll();
   for (int e = 0; e < ne; ++e) {
     length = length + lengthOf(e);
     const mask pinned = !(weight(e + 1) > lit(0));
@@ -793,20 +790,19 @@ inline real RodStep::maxTautness() const {
 [[gnu::noinline]] inline void RodStep::shareMissing() {
   real3 old_in = state3(b.position, 0), pulled_in = get3(kShift, 0), shift = pulled_in;
   real length = lit(0);  // since the last pin
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   TensionShifts tensions(*this);
   for (int e = 0; e < ne; ++e) {
     const real3 old = state3(b.position, e + 1), pulled = tensions.shifted(e), advance = pulled - pulled_in;
     shift = shift + advance + missingLength((old - old_in) + advance, get3(kTangent, e), lengthOf(e));
     length = length + lengthOf(e);
     const mask pinned = !(weight(e + 1) > lit(0));
-    set3(kShared, e, select(pinned, (pulled - shift) * inverse(max(length, lit(1e-9))), zero));
+    set3(kShared, e, select(pinned, (pulled - shift) * inverse(max(length, lit(1e-9))), zero3()));
     shift = select(pinned, pulled, shift);
     length = select(pinned, lit(0), length);
     old_in = old;
     pulled_in = pulled;
   }
-  real3 per_length = zero;
+  real3 per_length = zero3();
   for (int e = ne - 1; e >= 0; --e) {
     per_length = select(weight(e + 1) > lit(0), per_length, get3(kShared, e));
     set3(kShared, e, per_length * lengthOf(e));
@@ -819,17 +815,16 @@ inline void RodStep::eliminateTensions(const mask& strands) {
   const StepScope scope{StepPart::kTensions};
   static_assert(sizeof(TensionRow) == kTensionPlanes * kLanes * sizeof(Scalar));
   TensionRow* const rows = reinterpret_cast<TensionRow*>(scratch_ + rodScratch(n, kLanes));
-  const real3 zero = makeReal3(lit(0), lit(0), lit(0));
   OuterTensions outside = noOuterTensions();
   for (int e = ne - 1; e >= 0; --e) {
     const mask moves = weight(e + 1) > lit(0), moves_in = lit(e) > lit(0) && weight(e) > lit(0);
     const real3 t = get3(kTangent, e);
     const real3 edge = (state3(b.position, e + 1) - state3(b.position, e)) + (get3(kShift, e + 1) - get3(kShift, e));
     rows[e] = eliminateTension(outside, moves, get(kPivot, e), e > 0 ? get(kFactor1, e - 1) : lit(0),
-                               e > 1 ? get(kFactor2, e - 2) : lit(0), select(moves, t, zero), select(moves_in, t, zero),
+                               e > 1 ? get(kFactor2, e - 2) : lit(0), select(moves, t, zero3()), select(moves_in, t, zero3()),
                                lengthResidualOf(e, dot(edge, t)), normalAt(e + 1));
   }
-  real3 near = zero, far = zero;  // shifts of the next two vertices inwards
+  real3 near = zero3(), far = zero3();  // shifts of the next two vertices inwards
   real lambda = firstTension(outside);
   for (int e = 0; e < ne; ++e) {
     const real3 moved = shiftOf(rows[e], near, far, lambda), before = get3(kShift, e + 1);

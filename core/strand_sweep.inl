@@ -75,7 +75,7 @@ struct ContactPlane {
   real friction;  // Coulomb coefficient of the body
 };
 // Contact plane of a vertex at x with no body nearer than `reach`.
-inline ContactPlane noContact(const real3& x, const real& reach) { return {reach, makeReal3(lit(0), lit(0), lit(0)), x, lit(0)}; }
+inline ContactPlane noContact(const real3& x, const real& reach) { return {reach, zero3(), x, lit(0)}; }
 inline ContactPlane chosen(const mask& first, const ContactPlane& a, const ContactPlane& b) {
   return {select(first, a.gap, b.gap), select(first, a.normal, b.normal), select(first, a.carried, b.carried),
           select(first, a.friction, b.friction)};
@@ -122,7 +122,7 @@ inline real closestContact(const SubstepBody& body, const real3& x, const real3&
   const mask within = near && (gap < lit(0) || gap * gap < way2) && at.even * at.even < way2;
   if (anyTrue(within)) {
     at = surfaceAt(body, carried, clear, within);
-    const mask from_outside = at.distance - clear > lit(0) - contactReach();
+    const mask from_outside = at.distance - clear > -contactReach();
     const mask across = within && from_outside && dot(at.normal, normal) < lit(0.5);
     if (anyTrue(across)) {
       const real per_way = inverseSqrt(max(way2, lit(1e-30)));
@@ -196,7 +196,7 @@ class Grooming {
     const real3 driven = block_.acceleration != nullptr ? gravity_ + accelerationOf(block_, i) : gravity_;
     const real3 own = madd(driven, time2(i) - time2_, madd(wind_, (keep_ - keep(i)) * substep_, way));
     const real3 pulled = goalPull(own, mass(i), load(row(kStiffnessAdded, i)), lack);
-    return select(weight(i) > lit(0), pulled, makeReal3(lit(0), lit(0), lit(0)));
+    return select(weight(i) > lit(0), pulled, zero3());
   }
 
  private:

@@ -109,8 +109,8 @@ struct Bend {
 };
 
 LANE_FN real3 inBendBox(LANE_IN(Bend) bend, LANE_IN(real3) p) {
-  return makeReal3(clamp(p.x, lit(0) - bend.reach.x, bend.reach.x), clamp(p.y, lit(0) - bend.reach.y, bend.reach.y),
-                   clamp(p.z, lit(0) - bend.reach.z, bend.reach.z));
+  return makeReal3(clamp(p.x, -bend.reach.x, bend.reach.x), clamp(p.y, -bend.reach.y, bend.reach.y),
+                   clamp(p.z, -bend.reach.z, bend.reach.z));
 }
 
 LANE_FN real3 bendShift(LANE_IN(Bend) bend, LANE_IN(real3) p) {

@@ -12,6 +12,9 @@
 #define makeReal3(x, y, z) vec3(x, y, z)
 #define makeQuat(x, y, z, w) vec4(x, y, z, w)
 
+bool maskAll() { return true; }
+bool maskNone() { return false; }
+vec3 zero3() { return vec3(0); }
 float inverse(float a) { return 1.0 / a; }
 float inverseSqrt(float a) { return inversesqrt(a); }
 float madd(float a, float b, float c) { return fma(a, b, c); }

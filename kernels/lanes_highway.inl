@@ -16,6 +16,7 @@ struct mask {
 HWY_INLINE real lit(double value) { return {hn::Set(Tag(), static_cast<float>(value))}; }
 HWY_INLINE real operator+(real a, real b) { return {hn::Add(a.v, b.v)}; }
 HWY_INLINE real operator-(real a, real b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE real operator-(real a) { return {hn::Neg(a.v)}; }
 HWY_INLINE real operator*(real a, real b) { return {hn::Mul(a.v, b.v)}; }
 HWY_INLINE real operator/(real a, real b) { return {hn::Div(a.v, b.v)}; }
 HWY_INLINE real madd(real a, real b, real c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
@@ -47,6 +48,8 @@ HWY_INLINE mask operator>=(real a, real b) { return {hn::Ge(a.v, b.v)}; }
 HWY_INLINE mask operator&&(mask a, mask b) { return {hn::And(a.m, b.m)}; }
 HWY_INLINE mask operator||(mask a, mask b) { return {hn::Or(a.m, b.m)}; }
 HWY_INLINE mask operator!(mask a) { return {hn::Not(a.m)}; }
+HWY_INLINE mask maskAll() { return lit(0) < lit(1); }
+HWY_INLINE mask maskNone() { return lit(0) < lit(0); }
 HWY_INLINE real select(mask m, real a, real b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
 
 // For the backends' planes, not for kernel text. Rows of lanes are aligned to their size.

@@ -5,6 +5,8 @@ using mask = bool;
 constexpr int kLanes = 1;
 
 inline real lit(double value) { return static_cast<real>(value); }
+inline mask maskAll() { return true; }
+inline mask maskNone() { return false; }
 inline real madd(real a, real b, real c) { return std::fma(a, b, c); }
 inline real sqrt(real a) { return std::sqrt(a); }
 inline real inverse(real a) { return 1 / a; }

@@ -12,8 +12,11 @@ struct quat {
 LANE_FN real3 makeReal3(real x, real y, real z) { return real3{x, y, z}; }
 LANE_FN quat makeQuat(real x, real y, real z, real w) { return quat{x, y, z, w}; }
 
+LANE_FN real3 zero3() { return {lit(0), lit(0), lit(0)}; }
+
 LANE_FN real3 operator+(const real3& a, const real3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 LANE_FN real3 operator-(const real3& a, const real3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+LANE_FN real3 operator-(const real3& a) { return {-a.x, -a.y, -a.z}; }
 LANE_FN real3 operator*(const real3& a, real s) { return {a.x * s, a.y * s, a.z * s}; }
 LANE_FN real3 select(mask m, const real3& a, const real3& b) {
   return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};

@@ -35,7 +35,7 @@ LANE_FN real cappedCosine(LANE_IN(quat) p) { return max(abs(p.w), lit(0.2)); }
 LANE_FN real3 jointStrain(LANE_IN(quat) a, LANE_IN(quat) b) {
   quat p = multiply(conjugate(a), b);
   real w = lit(2) * inverse(cappedCosine(p));
-  real s = select(p.w < lit(0), lit(0) - w, w);
+  real s = select(p.w < lit(0), -w, w);
   return makeReal3(p.x * s, p.y * s, p.z * s);
 }
 

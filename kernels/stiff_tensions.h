@@ -80,10 +80,9 @@ struct OuterTensions {
 };
 LANE_FN OuterTensions noOuterTensions() {
   OuterTensions none;
-  real3 zero = makeReal3(lit(0), lit(0), lit(0));
-  none.near = none.far = makeSymmetric(zero, zero);
-  none.column_x = none.column_y = none.column_z = zero;
-  none.right = none.right_far = none.along = none.along_far = zero;
+  none.near = none.far = makeSymmetric(zero3(), zero3());
+  none.column_x = none.column_y = none.column_z = zero3();
+  none.right = none.right_far = none.along = none.along_far = zero3();
   none.yields = lit(1);
   none.excess = lit(0);
   return none;
@@ -142,7 +141,7 @@ LANE_FN TensionRow eliminateTension(LANE_INOUT(OuterTensions) outside, LANE_IN(m
   row.column_y = all_y - to_edge * row.lambda_near.y;
   row.column_z = all_z - to_edge * row.lambda_near.z;
   Symmetric kept = plusProduct(less, to_edge, to_edge * share);  // compliance that the vertex with the edge lacks against A alone
-  row.far = scaled(plusEverywhere(kept, lit(0) - alone), lit(0) - second);
+  row.far = scaled(plusEverywhere(kept, -alone), lit(0) - second);
   row.by_lambda = madd(to_edge, lit(0) - row.lambda_by_lambda, pushed(gives, some, off, held, outer));
 
   // What remains for the next vertex inwards.

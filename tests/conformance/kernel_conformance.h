@@ -47,6 +47,7 @@ enum Kernel {
   kHeldPlace,
   kHeldForce,
   kDraggedAmong,
+  kWords,
   kKernels
 };
 constexpr int kKernelInputs = 16, kKernelOutputs = 9;

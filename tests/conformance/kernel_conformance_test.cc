@@ -74,7 +74,8 @@ constexpr const char* kNames[kKernels] = {"solveDistance",
                                           "gapToRemove",
                                           "positionOnSurface",
                                           "heldForce",
-                                          "draggedAmong"};
+                                          "draggedAmong",
+                                          "words"};
 
 using Item = std::array<float, kKernelInputs>;
 using Row = std::vector<float, CacheLineAllocator<float>>;
@@ -209,6 +210,9 @@ class InputMaker {
         break;
       case kDraggedAmong:
         vector(v, 10), vector(v + 3, 10), v[6] = number(0, 20), vector(v + 7, 0.01f), v[10] = number(0, 0.9f);
+        break;
+      case kWords:
+        vector(v, 10);
         break;
       case kHeldCrowding:
         v[0] = number(0, 2), v[1] = number(0.5f, 2), v[2] = number(0.5f, 2), v[3] = number(0, 10);
@@ -533,6 +537,8 @@ TEST(KernelConformance, DoubleKeepsWhatTheFormulasPromise) {
     EXPECT_NEAR(turned.y, pairs[i][4], 1e-6);
     EXPECT_NEAR(turned.z, pairs[i][5], 1e-6);
   }
+  const std::array<double, kKernelOutputs> words = {-1, 2, -3, 1, -2, 3, 0, 0, 0};
+  EXPECT_EQ(truth(kWords, {1, -2, 3}), words) << "negated; chosen by maskAll(); not chosen by maskNone()";
   Item contact = {0, 0.1f, 0, 0.01f, 0.12f, 0, 0, -0.02f, 0, 0, 1, 0, -0.02f, 0.3f, 0.5f, 0.02f};
   EXPECT_NEAR(truth(kResolveContact, contact)[1], 0.12, 1e-7) << "pushed out by its depth";
   EXPECT_NEAR(truth(kResolveContact, contact)[0], 0.006, 1e-7) << "taken along by friction x depth";

@@ -11,7 +11,7 @@ LANE_FN real nearestWhole(real x) { return (x + lit(12582912)) - lit(12582912); 
 
 /// Nearest grid point, in steps, clamped to +-most; -most for NaN.
 LANE_FN real gridNumber(real position, real step, real most) {
-  const real low = lit(0) - most, steps = position / step;
+  const real low = -most, steps = position / step;
   const real above = select(low < steps, steps, low);
   return nearestWhole(select(above < most, above, most));
 }
@@ -46,7 +46,7 @@ LANE_FN OctahedralPoint toOctahedral(const real3& direction, real steps) {
   other_v = select(other_v < lit(0) || other_v > steps, v, other_v);
   // Tangents along u and v: above (1, 0, -sign_x) and (0, 1, -sign_y); below (0, turned, -sign_x) and (turned, 0,
   // -sign_y).
-  const real across = sign_x * sign_y, turned = lit(0) - across;
+  const real across = sign_x * sign_y, turned = -across;
   const real radial_u = select(below, turned * p.y, p.x) - sign_x * p.z;
   const real radial_v = select(below, turned * p.x, p.y) - sign_y * p.z;
   const real inverse_square = lit(1) / (p.x * p.x + (p.y * p.y + p.z * p.z));
@@ -91,6 +91,6 @@ LANE_FN real3 turned(const real3& a, const real3& from, const real3& to) {
 LANE_FN void axesAcross(const real3& n, LANE_OUT(real3) u, LANE_OUT(real3) v) {
   const real sign = select(n.z < lit(0), lit(-1), lit(1));
   const real a = lit(-1) / (sign + n.z), b = n.x * n.y * a;
-  u = makeReal3(lit(1) + sign * n.x * n.x * a, sign * b, lit(-1) * sign * n.x);
-  v = makeReal3(b, sign + n.y * n.y * a, lit(-1) * n.y);
+  u = makeReal3(lit(1) + sign * n.x * n.x * a, sign * b, -sign * n.x);
+  v = makeReal3(b, sign + n.y * n.y * a, -n.y);
 }

@@ -168,7 +168,7 @@ struct ErrorTracker {
   real limit, worst;
   mask is_lost;
   ErrorTracker(const LaneFrame& of, float squared_limit, const Tile& tile, const float* before)
-      : frame(of), limit(lit(squared_limit)), is_lost(lit(1) < lit(0)) {
+      : frame(of), limit(lit(squared_limit)), is_lost(maskNone()) {
     std::array<float, kRow> numbers{};
     for (size_t l = 0; l < kRow; ++l)
       if (tile.counts[l] > 0) numbers[l] = before[tile.first + l];

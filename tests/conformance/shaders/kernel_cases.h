@@ -131,7 +131,7 @@ LANE_FN KernelOutput runKernel(int kernel, LANE_IN(KernelInput) i) {
     o.v[0] = nearest;
     out3(o, 1, normal);
   } else if (kernel == 31) {
-    FieldPlace place = fieldPlace(in3(i, 8), makeReal3(lit(0), lit(0), lit(0)), lit(0.01), makeReal3(lit(1), lit(1), lit(1)));
+    FieldPlace place = fieldPlace(in3(i, 8), zero3(), lit(0.01), makeReal3(lit(1), lit(1), lit(1)));
     FieldCorners at;
     at.v000 = i.v[0];
     at.v100 = i.v[1];
@@ -192,6 +192,11 @@ LANE_FN KernelOutput runKernel(int kernel, LANE_IN(KernelInput) i) {
          draggedAmong(in3(i, 0), in3(i, 3), i.v[6], makeReal3(t.x * t.x, t.y * t.y, t.z * t.z) * slip,
                       makeReal3(t.y * t.z, t.x * t.z, t.x * t.y) * slip));
     out3(o, 3, t);
+  } else if (kernel == 41) {
+    real3 a = in3(i, 0);
+    out3(o, 0, -a);
+    out3(o, 3, select(maskAll(), a, zero3()));
+    out3(o, 6, select(maskNone(), a, zero3()));
   }
   return o;
 }
