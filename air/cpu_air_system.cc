@@ -7,8 +7,7 @@
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
 #include "core/error.h"
-#include "kernels/scalar_double.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "air/grid_passes.h"
 #include "air/hair_layout.h"
-#include "kernels/scalar_double.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_grid.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast {
 // The order of includes matters: later text uses the lane vocabulary of earlier text.

@@ -17,6 +17,10 @@ namespace strandcast::air::HWY_NAMESPACE {
 // The order of includes matters: later text uses the lane vocabulary of earlier text.
 // clang-format off
 #include "kernels/lanes_highway.inl"
+#include "kernels/rotation.h"
+#include "kernels/contact.h"
+#include "kernels/distance_field.h"
+#include "kernels/grid.h"
 #include "kernels/end_lanes.inl"
 #include "core/body_surface.inl"
 #include "air/lanes_highway.inl"

@@ -5,8 +5,7 @@
 #include <cstring>
 
 #include "core/hash.h"
-#include "kernels/scalar_double.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast {
 namespace {

@@ -5,8 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "kernels/scalar_double.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast {
 namespace {

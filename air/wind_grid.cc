@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast {
 template <class Scalar>

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast {
 

@@ -12,7 +12,7 @@
 #include "core/broad_phase.h"
 #include "core/error.h"
 #include "core/geometry.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast {
 namespace kernels::f32 {

@@ -5,8 +5,7 @@
 
 #include "core/backend.h"
 #include "core/strand_block.h"
-#include "kernels/scalar_double.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast {
 namespace kernels::f32 {

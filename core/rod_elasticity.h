@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/material.h"
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast {
 

@@ -9,7 +9,7 @@
 #include "core/geometry.h"
 #include "core/hash.h"
 #include "core/rod_elasticity.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast {
 namespace {

@@ -18,7 +18,7 @@
 #include "gpu_compute/gpu_strands.h"
 #include "gpu_compute/hair_passes.h"
 #include "gpu_compute/wind_passes.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast::gpu {
 

@@ -10,7 +10,6 @@
 #include "core/error.h"
 #include "gl/buffer.h"
 #include "gpu_compute/shaders.h"
-#include "kernels/scalar_float.h"
 
 namespace strandcast::gpu {
 namespace {

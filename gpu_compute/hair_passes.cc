@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "gpu_compute/shaders.h"
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast::gpu {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/strand_block.h"
 #include "gpu_compute/driver.h"
 #include "gpu_compute/shaders.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast::gpu {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/backend.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast {
 namespace kernels::f32 {

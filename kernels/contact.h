@@ -1,6 +1,7 @@
-// Kernel text: see kernels/README.md. Signed distances to primitives, and the contact law of a vertex. Distances are in
-// metres, negative inside; `normal` is a unit vector that points out of the body. docs/solver.md, "Contact", has the
-// design.
+// Kernel text: see kernels/README.md. Requires kernels/rotation.h.
+//
+// Signed distances to primitives, and the contact law of a vertex. Distances are in metres, negative inside; `normal`
+// is a unit vector that points out of the body. docs/solver.md, "Contact", has the design.
 
 LANE_FN real sphereDistance(LANE_IN(real3) p, LANE_IN(real3) centre, LANE_IN(real) radius, LANE_OUT(real3) normal) {
   real3 d = p - centre;

@@ -1,6 +1,7 @@
-// Kernel text: see kernels/README.md. A signed distance field (SDF) in bricks of 8 x 8 x 8 cells. core/distance_field.h
-// has the memory layout, which the backends read. Indices of bricks, corners and samples are whole reals below 2^24,
-// exact in float.
+// Kernel text: see kernels/README.md. Requires kernels/rotation.h.
+//
+// A signed distance field (SDF) in bricks of 8 x 8 x 8 cells. core/distance_field.h has the memory layout, which the
+// backends read. Indices of bricks, corners and samples are whole reals below 2^24, exact in float.
 //
 // A field may be bent (Bend): the point at p was at p + w(p) at rest, with a quadratic polynomial w. Linear blend
 // skinning between two joints whose weights change linearly is of this form. Outside its box, w takes the value at the

@@ -1,5 +1,6 @@
-// Kernel text: see kernels/README.md. The curve of a drawn hair that is interpolated from guides. For scalar lanes
-// only: it uses sines and cosines.
+// Kernel text: see kernels/README.md. Requires kernels/rotation.h.
+//
+// The curve of a drawn hair that is interpolated from guides. For scalar lanes only: it uses sines and cosines.
 
 // Position on a guide between two of its vertices: a cubic Hermite curve from p0 to p1 with tangents m0 and m1 (m per
 // unit of the knots). `h`: distance of the two knots; `s`: fraction of the interval, 0 to 1. Written relative to p0 to

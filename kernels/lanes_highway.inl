@@ -1,5 +1,5 @@
-// Lane vocabulary over one Highway vector of floats of the target being compiled, with the kernel text on top. Included
-// inside the target's namespace, once per target, after hwy/highway.h.
+// Lane vocabulary over one Highway vector of floats of the target being compiled. Included inside the target's namespace,
+// once per target, after hwy/highway.h. The kernel text that the file uses and end_lanes.inl follow it.
 namespace hn = hwy::HWY_NAMESPACE;
 using Scalar = float;
 using Tag = hn::ScalableTag<float>;
@@ -110,14 +110,4 @@ HWY_INLINE word wordAtByte(const uint32_t* words, word byte) {
 HWY_INLINE real lowHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(hn::ShiftLeft<16>(words.v)))}; }
 HWY_INLINE real highHalves(word words) { return {hn::ConvertTo(Tag(), hn::ShiftRight<16>(words.v))}; }
 
-// The order of inclusion matters.
-// clang-format off
 #include "kernels/lanes_vector.inl"
-#include "kernels/rotation.h"
-#include "kernels/strand.h"
-#include "kernels/contact.h"
-#include "kernels/distance_field.h"
-#include "kernels/rod.h"
-#include "kernels/stiff_tensions.h"
-#include "kernels/grid.h"
-// clang-format on

@@ -1,6 +1,8 @@
-// Kernel text: see kernels/README.md. A strand as an inextensible Kirchhoff rod (Bergou et al. 2008, "Discrete Elastic
-// Rods"; Kugelstadt and Schoemer 2016, "Position and Orientation Based Cosserat Rods"). docs/solver.md derives the
-// equations that comments here cite by number.
+// Kernel text: see kernels/README.md. Requires kernels/rotation.h.
+//
+// A strand as an inextensible Kirchhoff rod (Bergou et al. 2008, "Discrete Elastic Rods"; Kugelstadt and Schoemer 2016,
+// "Position and Orientation Based Cosserat Rods"). docs/solver.md derives the equations that comments here cite by
+// number.
 //
 // Notation: edge e has the unit tangent t_e and the material frame q_e (body z axis = t_e). Joint j is between edges
 // j - 1 and j; joint 0 is between the root frame and edge 0. All masses and stiffnesses of a strand are divided by one

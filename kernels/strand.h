@@ -1,7 +1,9 @@
-// Kernel text: see kernels/README.md. Position based dynamics of strands (Yuksel and Tariq 2010, "Advanced Techniques
-// in Real-time Hair Rendering and Simulation", chapter 3): Verlet prediction, angular constraints towards the rest
-// shape in the parent edge's frame, and distance constraints, in batches that share no vertex. Then the grooming
-// constraints of a vertex: goal pull, which the rod has, too, and tether.
+// Kernel text: see kernels/README.md. Requires kernels/rotation.h.
+//
+// Position based dynamics of strands (Yuksel and Tariq 2010, "Advanced Techniques in Real-time Hair Rendering and
+// Simulation", chapter 3): Verlet prediction, angular constraints towards the rest shape in the parent edge's frame,
+// and distance constraints, in batches that share no vertex. Then the grooming constraints of a vertex: goal pull,
+// which the rod has, too, and tether.
 
 // Position after `dt` seconds without constraints. keep = exp(-drag dt) is the share of the velocity that air drag
 // leaves; wind replaces the rest. `time2`: displacement by an acceleration of 1 m/s^2, m (DragStep::time2).

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "io/groom_file.h"
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_hair.h"
 #include "render/hair_selection.h"
 #include "render/scalp.h"
 

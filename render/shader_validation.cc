@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_hair.h"
 #include "render/framebuffer.h"
 #include "render/guide_nodes.h"
 #include "render/shaders.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_grid.h"
 
 namespace strandcast {
 

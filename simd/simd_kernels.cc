@@ -20,6 +20,12 @@ namespace strandcast::simd::HWY_NAMESPACE {
 // In this order: the lane vocabulary comes first, and end_lanes.inl undefines it.
 // clang-format off
 #include "kernels/lanes_highway.inl"
+#include "kernels/rotation.h"
+#include "kernels/strand.h"
+#include "kernels/contact.h"
+#include "kernels/distance_field.h"
+#include "kernels/rod.h"
+#include "kernels/stiff_tensions.h"
 #include "core/block_step.inl"
 #include "kernels/end_lanes.inl"
 // clang-format on

@@ -8,7 +8,7 @@
 #include "air/hair_grid.h"
 #include "air/wind_grid.h"
 #include "core/simulation.h"
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_grid.h"
 #include "validation/specimen.h"
 
 namespace strandcast {

@@ -11,8 +11,8 @@
 #include <random>
 
 #include "core/strand_block.h"
-#include "kernels/scalar_double.h"
-#include "kernels/scalar_float.h"
+#include "kernels/scalar_grid.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast {
 namespace kernels::f64 {

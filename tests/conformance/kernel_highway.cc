@@ -1,4 +1,6 @@
 // Instantiates the kernels for every Highway target.
+#include <bit>
+
 #include "kernels/highway_targets.h"
 #include "tests/conformance/kernel_conformance.h"
 #undef HWY_TARGET_INCLUDE
@@ -12,6 +14,11 @@ namespace strandcast::HWY_NAMESPACE {
 // Each text requires the ones before it.
 // clang-format off
 #include "kernels/lanes_highway.inl"
+#include "kernels/rotation.h"
+#include "kernels/strand.h"
+#include "kernels/contact.h"
+#include "kernels/distance_field.h"
+#include "kernels/grid.h"
 #include "tests/conformance/shaders/kernel_cases.h"
 #include "kernels/end_lanes.inl"
 // clang-format on

@@ -9,7 +9,7 @@
 
 #include "core/contact_primitive.h"
 #include "core/error.h"
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_strands.h"
 #include "tests/collision/shapes.h"
 #include "tests/conformance/conformance_model.h"
 

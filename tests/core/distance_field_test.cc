@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_strands.h"
 
 namespace strandcast {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/simulation.h"
-#include "kernels/scalar_double.h"
+#include "kernels/scalar_strands.h"
 #include "validation/rest_shapes.h"
 #include "validation/specimen.h"
 
