@@ -150,6 +150,10 @@ int withOutputWritten(int exit_code) {
 std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* argv) {
   std::vector<std::string> words;
   for (int i = 0; i < argc; ++i) words.push_back(withWholePart(argv[i]));
+  if (argc == 2 && words[1] == "--help-markdown") {
+    std::fputs(markdownHelp(app, std::filesystem::path(words[0]).filename().string()).c_str(), stdout);
+    return withOutputWritten(0);
+  }
   std::vector<const char*> pointers;
   for (const std::string& word : words) pointers.push_back(word.c_str());
   try {

@@ -70,8 +70,12 @@ class Report {
 /// A closed pipe (`| head`) is not a failure.
 int withOutputWritten(int exit_code);
 
+/// All options of `app`, named `program`, and of its verbs as sections of a Markdown page, with the tables of
+/// parameters and materials. Options that strandcastd or an earlier section has are only named.
+std::string markdownHelp(const CLI::App& app, const std::string& program);
+
 /// Parses a program's arguments into `app`. Returns an exit code where the program must end: after help, or
-/// on an unknown argument.
+/// on an unknown argument. The single argument --help-markdown, which no help lists, prints markdownHelp().
 std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* argv);
 
 /// Runs a program's body. An Error or another exception becomes one line on standard error and exit code 2;

@@ -148,6 +148,12 @@ MaterialRule parseMaterial(const std::string& text) {
 
 }  // namespace
 
+std::string configKeyOf(const std::string& option) {
+  for (const auto& [known, key] : kOptionKeys)
+    if (known == option) return key;
+  return {};
+}
+
 UpAxis upAxisOf(const std::string& name, const std::string& where) {
   if (name == "auto" || name.empty()) return UpAxis::kAuto;
   if (name == "x") return UpAxis::kX;

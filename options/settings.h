@@ -132,6 +132,10 @@ std::vector<std::string> checkUnusedSettings(const Settings& settings, bool any_
 /// The network rules alone, for programs with only the options of addNetworkOptions().
 void checkUnusedNetworkSettings(const Settings& settings);
 
+/// The key of the configuration file that means the same as an option: "groom.files" of "--groom". Empty
+/// where there is none.
+std::string configKeyOf(const std::string& option);
+
 /// The condition under which a parameter has an effect, "it needs wind_grid=1"; empty where it always has.
 std::string conditionOf(const std::string& name);
 /// That condition where it is not met by `parameters`; empty otherwise.

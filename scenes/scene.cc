@@ -109,6 +109,7 @@ void moveHead(const SceneOptions& options, const char* own, Scene& scene) {
 Scene makeProceduralScene(const SceneOptions& options, const Progress& progress) {
   const NamedScene& named = namedScene(options.name);
   Scene scene;
+  scene.parameters = sceneParameters(options);
   scene.name = named.info.name;
   scene.part_names = {scene.name};
   makeMaterials(options, scene);
@@ -125,10 +126,6 @@ Scene makeProceduralScene(const SceneOptions& options, const Progress& progress)
   scene.bodies.push_back({std::move(body.shoulders), false});
   scene.head_pivot = body.neck_pivot;
   moveHead(options, named.motion, scene);
-  scene.parameters.damping_time = kHairDamping;
-  scene.parameters.air_drag = kHairAirDrag;
-  scene.parameters.shape_rate = named.shape_rate;
-  scene.parameters.shape_rate_tip = named.shape_rate_tip;
   return scene;
 }
 
@@ -421,8 +418,7 @@ void growOnSkin(const StrandSet& strands, size_t pinned, Scene& scene) {
 
 Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   Scene scene;
-  scene.parameters.damping_time = kHairDamping;
-  scene.parameters.air_drag = kHairAirDrag;
+  scene.parameters = sceneParameters(options);
   scene.name = options.groom.front().stem().string();
   for (const std::filesystem::path& file : options.groom) scene.part_names.push_back(file.stem().string());
   makeMaterials(options, scene);
@@ -480,6 +476,17 @@ ProceduralGroomOptions proceduralGroomOf(const SceneOptions& options) {
   if (options.vertices > 0) groom.vertices = options.vertices;
   if (options.length > 0) groom.length = options.length;
   return groom;
+}
+
+Parameters sceneParameters(const SceneOptions& options) {
+  Parameters parameters;
+  parameters.damping_time = kHairDamping;
+  parameters.air_drag = kHairAirDrag;
+  if (!options.groom.empty()) return parameters;
+  const NamedScene& named = namedScene(options.name);
+  parameters.shape_rate = named.shape_rate;
+  parameters.shape_rate_tip = named.shape_rate_tip;
+  return parameters;
 }
 
 StrandModel sceneModel(const Scene& scene) {

@@ -98,6 +98,10 @@ using Progress = std::function<bool(const std::string& what, double part)>;
 /// The options of a procedural scene's groom. Throws Error on an unknown scene.
 ProceduralGroomOptions proceduralGroomOf(const SceneOptions& options);
 
+/// The parameters that makeScene() gives a scene, before materials thicker than its hair_radius raise that.
+/// Throws Error on an unknown scene.
+Parameters sceneParameters(const SceneOptions& options);
+
 /// The strands of a scene with their materials and pins, before the sag-free correction. Throws Error.
 StrandModel sceneModel(const Scene& scene);
 

@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "options/number_range.h"
 #include "options/scene_loading.h"
+#include "options/settings.h"
 
 namespace strandcast {
 namespace {
@@ -63,6 +65,40 @@ TEST(Console, AnUnknownOptionHasTheNearestOneNamed) {
   EXPECT_EQ(saidOf({"info", "a.tfx", "b.tfx"}),
             "error: 'b.tfx' is not expected: strandcast info; see `strandcast info --help`\n");
   EXPECT_EQ(saidOf({"render", "--zoom", "2"}), "");
+}
+
+TEST(Console, TheMarkdownPageHasValuesDefaultsAndConditionsOfOptions) {
+  CLI::App app("a program");
+  std::string file, kind = "a";
+  int count = 1;
+  std::vector<double> place;
+  CLI::App* draw = app.add_subcommand("draw", "draw|paint");
+  draw->add_option("FILE", file, "what to draw")->required();
+  CLI::Option* kinds = draw->add_option("--kind", kind, "one of:\n  a: the first\n  b     the second")
+                           ->check(CLI::IsMember({"a", "b"}))
+                           ->capture_default_str();
+  draw->add_option("--count", count, "[pixels] size")->transform(wholeRange(1, 9))->needs(kinds);
+  draw->add_option_group("Place", "where")->add_option("--at", place, "middle, m")->expected(3);
+  app.add_subcommand("secret", "internal")->group("");
+  EXPECT_EQ(markdownHelp(app, "tool"),
+            "### tool\n\na program\n\n"
+            "| verb | meaning |\n|---|---|\n| `draw` | draw\\|paint |\n\n"
+            "### tool draw\n\ndraw|paint\n\n"
+            "| argument | value | meaning |\n|---|---|---|\n| `FILE` | text; required | what to draw |\n\n"
+            "| option | value | default | meaning |\n|---|---|---|---|\n"
+            "| `--kind` | `a`, `b` | `a` | one of:<br>`a`: the first<br>`b`: the second |\n"
+            "| `--count` | whole number, 1 to 9 pixels |  | size; needs `--kind` |\n\n"
+            "**Place**: where\n\n"
+            "| option | value | meaning |\n|---|---|---|\n| `--at` | 3 numbers | middle, m |\n\n");
+}
+
+TEST(Console, TheMarkdownPageNamesOptionsOfTheDaemonOnly) {
+  CLI::App app("a program");
+  const SettingsOptions options(app, SettingsUse::kServe);
+  const std::string page = markdownHelp(app, "tool");
+  EXPECT_NE(page.find("| [strandcastd](#strandcastd) | `--transport`, "), std::string::npos) << page;
+  EXPECT_EQ(page.find("| `--transport` |"), std::string::npos) << page;
+  EXPECT_NE(markdownHelp(app, "strandcastd").find("| `--groom` | `groom.files` |"), std::string::npos);
 }
 
 TEST(HairEstimate, TellsOfLargeGroomsAndNotOfSmallOnes) {
