@@ -6,71 +6,23 @@
 #include <vector>
 
 #include "core/backend.h"
+#include "core/body_set.h"
 #include "core/broad_phase.h"
+#include "core/hair_pull.h"
 #include "core/measure.h"
+#include "core/origin.h"
 #include "core/strand_model.h"
 
 namespace strandcast {
-
-/// A hand that pulls hair: the vertices inside it when it closes keep their offsets from the hand wherever it
-/// moves. Each is pulled by a critically damped spring, solved by implicit Euler for the end of a step, so
-/// that no rate is too large for the step.
-class HairPull {
- public:
-  /// Closes about the free vertices within `radius` (m, 0 or more) of `from` (m, world), or about the nearest
-  /// free vertex if there is none.
-  HairPull(const StrandModel& model, std::span<const Vec3> positions, const Vec3& from, float radius);
-
-  /// `to`: position of the hand, m, world; `rate`: of the spring, 1/s.
-  void moveTo(const Vec3& to, float rate);
-  /// Whether the hand was constructed with these values.
-  bool closedAt(const Vec3& from, float radius) const { return from == from_ && radius == radius_; }
-  /// Number of pulled vertices.
-  size_t vertices() const { return held_.size(); }
-
-  /// Adds the hand's accelerations over a step of `dt` seconds, m/s^2 per vertex of the model.
-  void addTo(std::span<Vec3> accelerations, std::span<const Vec3> positions, std::span<const Vec3> velocities,
-             float dt) const;
-
- private:
-  struct Held {
-    uint32_t vertex;
-    Vec3 place;  ///< m, world, when the hand closed
-  };
-  std::vector<Held> held_;
-  Vec3 from_, way_ = Vec3::Zero();
-  float radius_, rate_ = 0;
-};
-
-/// A rigid collider: contact primitives that share one rigid motion.
-struct RigidBody {
-  std::vector<ContactPrimitive> primitives;
-  bool follows_head = false;  ///< moves with the head pose; otherwise setBodyPose() moves it
-  /// Hair grows on this body. Vertices that lie inside it in the rest shape are exempt from contact down to
-  /// their rest depth, for every body (see StrandModel::rest_distance). Only evaluated for the bodies that
-  /// the constructor receives.
-  bool holds_roots = false;
-  Pose pose{};  ///< world; unused if the body follows the head
-  /// Whether setBodyBend() may bend its distance fields. If so, the fields must not be rotated in the body's
-  /// frame.
-  bool bends = false;
-};
-
-/// Bound on each coordinate of a hand in Simulation::pullHair(), m.
-constexpr float kMaxHandCoordinate = 1000;
-/// Bounds on each coordinate for origin rebasing, m. With the head within kNearOrigin of the world origin,
-/// the simulation uses the world origin, otherwise an origin near the head. resetDiverged() chooses a new
-/// origin when the head is farther than kFarFromOrigin from the current one. See Simulation::origin().
-constexpr float kNearOrigin = 4, kFarFromOrigin = 8;
-
-/// Identifies a body of a Simulation. An id is never reused.
-using BodyId = uint64_t;
 
 /// Runs one groom on one backend with fixed time steps, prescribed bone motion, bodies and parameters.
 ///
 /// A caller sets poses, then calls step(); the backend interpolates motion within the step. The groom's roots
 /// and the bodies with `follows_head` move rigidly with the head (bone 0). Vertices that the model pins to
 /// other bones move with those bones.
+///
+/// Its parts are the bodies (BodySet), the origin of the backend's coordinates (Origin) and the hand that
+/// pulls hair (HairPull). It prescribes bones and calls the parts in the order of a step.
 ///
 /// Input is validated: the constructor, setHeadPose, setBonePose, addBody, setBodyPose, setBodyBend,
 /// pullHair, setParameters, teleport and resumeFrom throw Error on values that are not finite, out of range
@@ -99,8 +51,7 @@ class Simulation {
   /// Poses of the root frames at the start of the next step, one per strand, world, natural order.
   std::vector<Pose> rootPoses() const;
   /// Adds a body from the next step on, at its pose; contact pushes out hair that is inside it. Throws Error
-  /// as checkPrimitive() and checkPose() do, and on a rotated field in a body with `bends`. The bodies of the
-  /// constructor have the ids 0, 1, ...
+  /// as checkBody() does. The bodies of the constructor have the ids 0, 1, ...
   BodyId addBody(RigidBody body);
   /// Sets a body's pose (world) at the end of the next step. Motion within the step is interpolated from the
   /// pose before. Throws Error on an unknown body, on one that follows the head, and as checkPose() does.
@@ -116,16 +67,16 @@ class Simulation {
   /// Throws Error on an unknown body.
   void removeBody(BodyId body);
   size_t bodies() const { return bodies_.size(); }
-  bool hasBody(BodyId body) const;
+  bool hasBody(BodyId body) const { return bodies_.has(body); }
   /// Ids of all bodies, in the order in which they were added.
-  std::vector<BodyId> bodyIds() const;
+  std::vector<BodyId> bodyIds() const { return bodies_.ids(); }
   /// The body as it was added. Throws Error on an unknown body.
   const RigidBody& body(BodyId body) const;
 
   /// Pulls hair with a hand (HairPull) that closes at `from` and is at `to` from the next step on. Repeated
   /// calls with the same `from` and `radius` move the hand; other values close a new hand. `from` and `to`:
   /// m, world, each coordinate within kMaxHandCoordinate; `radius`: 0 to 10 m; `rate`: 0 to 1000 1/s. Throws
-  /// Error if a number is out of range or not finite, or if the backend takes no accelerations.
+  /// Error as checkPull() does, or if the backend takes no accelerations.
   void pullHair(const Vec3& from, float radius, const Vec3& to, float rate);
   /// Opens the hand: no pull from the next step on.
   void releaseHair() { pull_.reset(); }
@@ -149,10 +100,9 @@ class Simulation {
   /// strand's length. Returns their number. Waits for the backend. Allocates only if there are such strands
   /// or the origin changes.
   size_t resetDiverged();
-  /// Origin of the backend's coordinates, m, world, whole metres (origin rebasing). Far from the world
-  /// origin, positions in float are too coarse: hair would stretch and tremble. reset(), teleport() and
+  /// Origin of the backend's coordinates, m, world, whole metres: see Origin. reset(), teleport() and
   /// resumeFrom() choose the origin; resetDiverged() moves it when the head is far from it.
-  const Vec3& origin() const { return origin_; }
+  const Vec3& origin() const { return origin_.position; }
   /// Moves the hair and every bone rigidly so that the head is at `head`, without motion in between. Throws
   /// Error as checkPose() does.
   void teleport(const Pose& head);
@@ -176,32 +126,13 @@ class Simulation {
   StrandState state();  ///< positions in world coordinates; waits for the backend
 
  private:
-  struct PlacedBody {
-    BodyId id;
-    RigidBody body;
-    Pose begin, end;                   ///< world, of the next step; unused if the body follows the head
-    SurfaceBend bend_begin, bend_end;  ///< of the next step, in the body's frame
-    std::vector<uint32_t> data;        ///< per primitive, first word in shapes_
-    std::vector<uint32_t> bends;  ///< per primitive, first word of its MovingBend in shapes_; 0 = not bent
-  };
-
-  void placePrimitives();
   void checkBone(size_t bone, const char* where) const;
-  const PlacedBody* findOrNull(BodyId body) const;  ///< null for an unknown body
-  const PlacedBody& find(BodyId body, const char* where) const;
-  PlacedBody& find(BodyId body, const char* where);
-  /// Reserves memory so that step() need not allocate.
-  void reserveForBodies();
-  /// Fills near_ with the bodies that each neighbourhood may touch in the next step.
-  void findNearBodies();
-  /// Adds the body's primitives to shapes_; throws Error.
-  void addShapes(PlacedBody& body);
-  /// Validates a new body and adds its primitives to shapes_; throws Error.
-  PlacedBody placed(RigidBody body, const char* where);
+  /// Computes the primitives of the next step.
+  void placeBodies();
+  /// The next step starts at the newest poses of bones and bodies, without motion.
+  void advanceMotion();
   /// The rest shape at the present bone poses, without velocity, relative to origin_.
   StrandState restNow() const;
-  /// Converts a world pose to one relative to origin_.
-  Pose toLocal(Pose pose) const;
   /// Sets origin_ for a head at this pose. The caller must call uploadState() next and inform the air.
   void chooseOrigin(const Pose& head);
   /// Uploads `state`, which is relative to origin_, and places the bodies. The caller informs the air.
@@ -213,27 +144,21 @@ class Simulation {
   bool configureExternalForces(const Parameters& parameters);
 
   std::unique_ptr<StrandModel> model_;  ///< at a fixed address: the backend keeps a pointer
-  std::vector<PlacedBody> bodies_;
-  BodyId next_body_ = 0;
-  ShapeData shapes_;
   Parameters parameters_;
   Parameters effective_parameters_;  ///< with the substeps that the solver can take: see kLongestSubstep
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<ExternalForces> external_forces_;
-  bool has_external_forces_ = false;  ///< the parameters need them
-  std::optional<HairPull> pull_;
-  std::vector<Vec3> pull_accelerations_;       ///< of external forces and hand together, m/s^2
+  bool has_external_forces_ = false;           ///< the parameters need them
   std::vector<Pose> bones_begin_, bones_end_;  ///< world, one per bone of the model
   std::vector<Pose> bones_begin_local_,
       bones_end_local_;  ///< relative to origin_, as in the newest StepInput
-  Vec3 origin_ = Vec3::Zero();
+  Origin origin_;
   std::vector<Vec3> world_guides_;  ///< empty while origin_ is the world origin
   std::vector<float> lengths_;      ///< rest length per strand, m
-  std::vector<MovingPrimitive> primitives_;
-  std::unique_ptr<BroadPhase> broad_phase_;
   StrandReach reach_;
-  std::vector<Box> body_boxes_, strand_boxes_;  ///< of strands: per neighbourhood of StrandOrder
-  NearBodyLists near_;
+  std::vector<Box> strand_boxes_;  ///< per neighbourhood of StrandOrder
+  BodySet bodies_;
+  std::optional<HairPull> pull_;
   double time_ = 0;
   uint64_t steps_ = 0;
 };

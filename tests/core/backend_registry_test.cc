@@ -20,8 +20,8 @@ BackendInfo absent(const std::string& name, int score) {
   return {name, false, "no driver", score, [](int) -> std::unique_ptr<Backend> { return nullptr; }};
 }
 
-std::string errorOf(const std::vector<BackendInfo>& known, const std::string& name) {
-  return strandcast::errorOf([&] { createBackend(known, name, 0); });
+std::string errorOfBackend(const std::vector<BackendInfo>& known, const std::string& name) {
+  return errorOf([&] { createBackend(known, name, 0); });
 }
 
 TEST(BackendRegistry, AutoTakesTheHighestScore) {
@@ -39,19 +39,20 @@ TEST(BackendRegistry, AutoFallsThroughWhatIsAbsentOrBreaks) {
 }
 
 TEST(BackendRegistry, AutoIsAnErrorWhenNothingRuns) {
-  EXPECT_NE(errorOf({absent("gpu", 1), breaks("simd", 2)}, "auto").find("no backend can run"),
+  EXPECT_NE(errorOfBackend({absent("gpu", 1), breaks("simd", 2)}, "auto").find("no backend can run"),
             std::string::npos);
-  EXPECT_NE(errorOf({}, "auto"), "");
+  EXPECT_NE(errorOfBackend({}, "auto"), "");
 }
 
 TEST(BackendRegistry, ANamedBackendIsNeverReplaced) {
-  EXPECT_NE(errorOf({works("simd", 50), absent("gpu", 100)}, "gpu").find("no driver"), std::string::npos);
-  EXPECT_NE(errorOf({works("simd", 50), breaks("gpu", 100)}, "gpu").find("the device is gone"),
+  EXPECT_NE(errorOfBackend({works("simd", 50), absent("gpu", 100)}, "gpu").find("no driver"),
+            std::string::npos);
+  EXPECT_NE(errorOfBackend({works("simd", 50), breaks("gpu", 100)}, "gpu").find("the device is gone"),
             std::string::npos);
 }
 
 TEST(BackendRegistry, AnUnknownNameIsAnErrorThatListsTheKnown) {
-  EXPECT_NE(errorOf({works("simd", 50), absent("gpu", 100)}, "gppu").find("auto, simd, gpu"),
+  EXPECT_NE(errorOfBackend({works("simd", 50), absent("gpu", 100)}, "gppu").find("auto, simd, gpu"),
             std::string::npos);
 }
 

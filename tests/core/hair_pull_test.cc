@@ -1,10 +1,11 @@
-#include "core/simulation.h"
+#include "core/hair_pull.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "core/error.h"
+#include "core/simulation.h"
 
 namespace strandcast {
 namespace {
@@ -46,8 +47,7 @@ TEST(HairPull, AFreeVertexComesToTheHandAtAnyRateAndStays) {
     constexpr float kStep = 1.0f / 60;
     float farthest = 0;
     for (int i = 0; i < 300; ++i) {
-      std::vector<Vec3> a(model.vertices(), Vec3::Zero());
-      pull.addTo(a, x, v, kStep);
+      const std::span<const Vec3> a = pull.accelerations({}, x, v, kStep);
       for (size_t n = 0; n < x.size(); ++n) {
         v[n] += kStep * a[n];
         x[n] += kStep * v[n];
@@ -59,6 +59,27 @@ TEST(HairPull, AFreeVertexComesToTheHandAtAnyRateAndStays) {
         std::max_element(x.begin(), x.end(), [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); })->x(),
         0.1f, 1e-4f)
         << rate;
+  }
+}
+
+TEST(HairPull, AddsToOtherAccelerationsOfEveryStepAlone) {
+  const StrandModel model = twoStrands();
+  const std::vector<Vec3> x(model.vertices(), Vec3::Zero()), v = x, others(model.vertices(), Vec3(1, 2, 4));
+  HairPull pull(model, x, Vec3::Zero(), 0);
+  for (const float way : {0.25f, 0.5f}) {
+    pull.moveTo(Vec3(0, way, 0), 1);
+    const std::span<const Vec3> own = pull.accelerations({}, x, v, 1);
+    const std::vector<Vec3> alone(own.begin(), own.end());
+    const std::span<const Vec3> both = pull.accelerations(others, x, v, 1);
+    ASSERT_EQ(alone.size(), model.vertices());
+    ASSERT_EQ(both.size(), model.vertices());
+    for (size_t s = 0; s < 2; ++s)
+      for (uint32_t i = model.offsets[s]; i < model.offsets[s + 1]; ++i) {
+        // x' = dt v' = dt^2 a and a = way - x' - 2 v', thus a = way / 4.
+        const Vec3 held = model.isPinned(s, i) ? Vec3(Vec3::Zero()) : Vec3(0, way / 4, 0);
+        EXPECT_EQ(alone[i], held) << i;
+        EXPECT_EQ(both[i], Vec3(others[i] + held)) << i;
+      }
   }
 }
 

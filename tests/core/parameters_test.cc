@@ -10,9 +10,9 @@
 namespace strandcast {
 namespace {
 
-std::string errorOf(const std::string& name, const std::vector<double>& value) {
+std::string errorOfParameter(const std::string& name, const std::vector<double>& value) {
   Parameters parameters;
-  return strandcast::errorOf([&] { setParameter(parameters, name, value, "config.toml:7"); });
+  return errorOf([&] { setParameter(parameters, name, value, "config.toml:7"); });
 }
 
 TEST(Parameters, EveryOneCanBeReadAndSetAgain) {
@@ -38,33 +38,34 @@ TEST(Parameters, SettingOneChangesThatOneOnly) {
 }
 
 TEST(Parameters, WhatIsOfTheMaterialIsSaidToBe) {
-  EXPECT_NE(errorOf("youngs_modulus", {1e9}).find("--material all:youngs_modulus=VALUE"), std::string::npos);
+  EXPECT_NE(errorOfParameter("youngs_modulus", {1e9}).find("--material all:youngs_modulus=VALUE"),
+            std::string::npos);
 }
 
 TEST(Parameters, TheLimitsOfTheRangeAreInIt) {
-  EXPECT_EQ(errorOf("substeps", {1}), "");
-  EXPECT_EQ(errorOf("substeps", {64}), "");
-  EXPECT_EQ(errorOf("time_step", {1.0 / 30}), "");
-  EXPECT_EQ(errorOf("time_step", {1.0 / 2000}), "");
-  EXPECT_EQ(errorOf("air_drag", {0}), "");
+  EXPECT_EQ(errorOfParameter("substeps", {1}), "");
+  EXPECT_EQ(errorOfParameter("substeps", {64}), "");
+  EXPECT_EQ(errorOfParameter("time_step", {1.0 / 30}), "");
+  EXPECT_EQ(errorOfParameter("time_step", {1.0 / 2000}), "");
+  EXPECT_EQ(errorOfParameter("air_drag", {0}), "");
 }
 
 TEST(Parameters, AnUnknownNameIsAnErrorThatNamesTheNearest) {
-  const std::string error = errorOf("air_darg", {1});
+  const std::string error = errorOfParameter("air_darg", {1});
   EXPECT_NE(error.find("air_darg"), std::string::npos) << error;
   EXPECT_NE(error.find("config.toml:7"), std::string::npos) << error;
   EXPECT_NE(error.find("did you mean 'air_drag'"), std::string::npos) << error;
   EXPECT_THROW(parameter(Parameters(), "air_darg"), Error);
   for (const char* far : {"foo", "", "temperature"}) {
-    const std::string none = errorOf(far, {1});
+    const std::string none = errorOfParameter(far, {1});
     EXPECT_EQ(none.find("did you mean"), std::string::npos) << none;
     EXPECT_NE(none.find("--help"), std::string::npos) << none;
   }
 }
 
 TEST(Parameters, AWrongNumberOfComponentsIsAnError) {
-  EXPECT_NE(errorOf("gravity", {1, 2}).find("takes 3 numbers, not 2"), std::string::npos);
-  EXPECT_NE(errorOf("air_drag", {}).find("takes 1 number, not 0"), std::string::npos);
+  EXPECT_NE(errorOfParameter("gravity", {1, 2}).find("takes 3 numbers, not 2"), std::string::npos);
+  EXPECT_NE(errorOfParameter("air_drag", {}).find("takes 1 number, not 0"), std::string::npos);
 }
 
 TEST(Parameters, AValueOutOfRangeIsAnError) {
@@ -79,7 +80,7 @@ TEST(Parameters, AValueOutOfRangeIsAnError) {
                                                    {"hair_radius", 0.5},
                                                    {"air_drag", std::numeric_limits<double>::quiet_NaN()},
                                                    {"air_drag", std::numeric_limits<double>::infinity()}}) {
-    const std::string error = errorOf(name, {value});
+    const std::string error = errorOfParameter(name, {value});
     EXPECT_NE(error.find("out of range"), std::string::npos) << name << " " << value << ": " << error;
     EXPECT_NE(error.find("config.toml:7"), std::string::npos) << error;
   }

@@ -6,6 +6,7 @@
 #include "air/air_system.h"
 #include "bench/counted_memory.h"
 #include "collision/tree_broad_phase.h"
+#include "core/body_set.h"
 #include "core/simulation.h"
 #include "simd/simd_backend.h"
 #include "tests/conformance/conformance_model.h"
@@ -49,6 +50,22 @@ TEST(StepAllocation, ManyBodiesThatMoveAllocateNothing) {
   for (int step = 1; step <= 10; ++step) {
     for (size_t i = 0; i < bodies.size(); ++i) simulation.setBodyPose(bodies[i], place(i, step));
     simulation.step();
+  }
+  EXPECT_EQ(allocations() - before, 0u);
+}
+
+TEST(StepAllocation, ABodySetAllocatesOnlyForABodyThatComes) {
+  std::vector<Box> neighbourhoods(40, Box(Eigen::Vector3f::Constant(-1), Eigen::Vector3f::Constant(1)));
+  BodySet bodies(makeAllPairs(), neighbourhoods.size());
+  for (int i = 0; i < 30; ++i)
+    bodies.add({{{PrimitiveKind::kSphere, Vec3::Zero(), Vec3::UnitY(), 0.05f, 0.3f}}});
+  const size_t before = allocations();
+  for (int step = 1; step <= 10; ++step) {
+    for (BodyId body = 0; body < bodies.size(); ++body)
+      bodies.setPose(body, {Vec3(0.001f * static_cast<float>(step), 0, 0), Quat::Identity()}, "test");
+    bodies.place({}, {}, {}, 0.1f);
+    EXPECT_EQ(bodies.findNear(neighbourhoods).bodies.size(), 40u * 30u);
+    bodies.advance();
   }
   EXPECT_EQ(allocations() - before, 0u);
 }
