@@ -17,7 +17,7 @@
 #include "core/quantile.h"
 #include "options/console.h"
 #include "options/number_range.h"
-#include "service/daemon.h"
+#include "service/network.h"
 #include "service/scene_simulation.h"
 #include "transport/codec/guide_decoder.h"
 #include "transport/codec/guide_encoder.h"

@@ -18,7 +18,7 @@
 #include "core/error.h"
 #include "options/console.h"
 #include "options/number_range.h"
-#include "service/daemon.h"
+#include "service/network.h"
 #include "service/scene_simulation.h"
 #include "simd/simd_backend.h"
 #include "transport/dds.h"

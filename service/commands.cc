@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/smooth_step.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -67,6 +68,10 @@ Pose commandedPose(const std::vector<double>& values, size_t first, const std::s
   if (!(std::fabs(rotation.norm() - 1) < 0.5f))
     throw Error("a rotation is not a unit quaternion", where, "give x y z w, with squares that add up to 1");
   return {Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()), rotation.normalized()};
+}
+
+Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of) {
+  return interpolate(from, to, static_cast<float>(easedFraction(seconds, of)));
 }
 
 namespace {

@@ -10,10 +10,11 @@
 
 namespace strandcast {
 
-constexpr double kFarthestPlace = 1000;  ///< m, per axis, for positions in commands
-constexpr double kRampSeconds = 0.2;     ///< default duration of a smooth motion by command
-constexpr double kLongestWay = 3600;     ///< s, longest duration of a motion by command
-constexpr size_t kMaxWindSources = 64;   ///< limit on the sources that commands may leave a daemon with
+constexpr double kFarthestPlace = 1000;   ///< m, per axis, for positions in commands
+constexpr double kRampSeconds = 0.2;      ///< default duration of a smooth motion by command
+constexpr double kLongestWay = 3600;      ///< s, longest duration of a motion by command
+constexpr int kMaxRequestedSteps = 1000;  ///< limit on outstanding steps requested by commands
+constexpr size_t kMaxWindSources = 64;    ///< limit on the sources that commands may leave a daemon with
 
 /// A command's name in errors, in the words of `strandcast ctl`: "strandcast ctl collider move rod".
 std::string commandText(const Command& command);
@@ -21,6 +22,10 @@ std::string commandText(const Command& command);
 /// x y z w (length 0.5 to 1.5, then normalised). Precondition: values has first + 7 elements. Throws Error,
 /// naming `where`.
 Pose commandedPose(const std::vector<double>& values, size_t first, const std::string& where);
+
+/// The pose after `seconds` of a motion by command from one pose to another over `of` seconds, then still.
+/// Velocity is continuous.
+Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of);
 
 /// Decides how long to wait for the answer to a command. The daemon answers a step command after its last
 /// step, and after all steps requested before; until then simulation time advances. A daemon whose time

@@ -1,6 +1,7 @@
 #include "service/controls.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,8 @@
 #include "core/name_lookup.h"
 #include "core/smooth_step.h"
 #include "service/commands.h"
+#include "service/scene_simulation.h"
+#include "transport/parameter_table.h"
 
 namespace strandcast {
 namespace {
@@ -37,10 +40,6 @@ bool HeadControl::operator==(const HeadControl& other) const {
          isSame(to, other.to);
 }
 
-Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of) {
-  return interpolate(from, to, static_cast<float>(easedFraction(seconds, of)));
-}
-
 HeadMotion motionOf(const HeadControl& control, const HeadMotion& scene, const Vec3& pivot) {
   switch (control.kind) {
     case HeadControl::Kind::kNamed:
@@ -51,6 +50,102 @@ HeadMotion motionOf(const HeadControl& control, const HeadMotion& scene, const V
       break;
   }
   return scene;
+}
+
+void HeadMotionControl::moveTo(const Command& command, const std::string& where) {
+  if (command.values.size() != 7)
+    throw Error("a head pose takes 7 finite numbers", where, "position, rotation x y z w");
+  set({HeadControl::Kind::kPose, "", motionPose(), commandedPose(command.values, 0, where),
+       simulation_.time()});
+}
+
+void HeadMotionControl::play(const Command& command) {
+  set({HeadControl::Kind::kNamed, command.name, motionPose(), {}, simulation_.time()});
+}
+
+void HeadMotionControl::set(HeadControl control) {
+  motion_ = motionOf(control, scene_motion_, pivot_);
+  control_ = std::move(control);
+}
+
+void HeadMotionControl::advance(double time) {
+  strandcast::moveTo(skinned_.get(), time, motion_(time - control_.start), simulation_);
+}
+
+Pose HeadMotionControl::motionPose() const {
+  const Pose carried = skinned_ ? skinned_->carried(simulation_.time()) : Pose{};
+  return carried.inverse() * simulation_.headPose();
+}
+
+void ParameterControl::set(const Command& command, const std::string& where) {
+  Parameters parameters = simulation_.parameters();
+  setParameter(parameters, command.name, command.values, where);
+  simulation_.setParameters(parameters);
+  const std::string why = unmetConditionOf(simulation_.parameters(), command.name);
+  if (why.empty())
+    unused_.erase(command.name);
+  else if (unused_.insert(command.name).second)
+    spdlog::warn("parameter '{}' has no effect: {}", command.name, why);
+}
+
+void ParameterControl::appendUnused(ParameterTable& table) const {
+  for (const std::string& name : unused_)
+    if (!unmetConditionOf(simulation_.parameters(), name).empty())
+      appendEntry(table, kUnusedEntry, name, {1});
+}
+
+void HandControl::pull(const Command& command, const std::string& where) {
+  constexpr double kPullSeconds = 1;  // s of simulation time; a pull without updates then ends (drag timeout)
+  const auto& v = command.values;
+  if (v.empty()) return simulation_.releaseHair();
+  if (v.size() != last_pull_.size())
+    throw Error("a pull takes 8 numbers", where,
+                "grab point, radius, target point, rate; no numbers release");
+  apply(v);
+  end_ = simulation_.time() + kPullSeconds;
+  std::copy(v.begin(), v.end(), last_pull_.begin());
+}
+
+void HandControl::releaseIfOver() {
+  if (simulation_.pulledVertices() > 0 && simulation_.time() > end_) simulation_.releaseHair();
+}
+
+std::vector<double> HandControl::state() const {
+  if (simulation_.pulledVertices() == 0) return {};
+  std::vector<double> values(last_pull_.begin(), last_pull_.end());
+  values.push_back(end_);
+  return values;
+}
+
+void HandControl::restoreFrom(std::span<const double> state) {
+  if (state.empty()) return simulation_.releaseHair();
+  std::copy_n(state.begin(), last_pull_.size(), last_pull_.begin());
+  apply(state);
+  end_ = state.back();
+}
+
+void HandControl::apply(std::span<const double> pull) {
+  const auto at = [&](size_t i) {
+    return Vec3(Eigen::Vector3d(pull[i], pull[i + 1], pull[i + 2]).cast<float>());
+  };
+  simulation_.pullHair(at(0), static_cast<float>(pull[3]), at(4), static_cast<float>(pull[7]));
+}
+
+void StepSchedule::checkPaused(const std::string& where) const {
+  if (!paused_) throw Error("only a paused simulation takes single steps", where, "pause it first");
+}
+
+void StepSchedule::request(uint64_t command, const std::string& where, int count) {
+  int outstanding = 0;
+  for (const Request& request : requests_) outstanding += request.left;
+  if (outstanding + count > kMaxRequestedSteps)
+    throw Error(fmt::format("{} steps are pending", outstanding), where, "wait for the daemon's answer");
+  requests_.push_back({command, where, count});
+}
+
+void StepSchedule::clear() {
+  paused_ = false;
+  requests_.clear();
 }
 
 namespace {
@@ -207,6 +302,43 @@ void WindControl::advance(double time) {
   }
   std::erase_if(tweens_, [&](const Ramp& way) { return time - way.start >= way.seconds; });
   airSystem(simulation_.externalForces())->setSources(withoutNames(sources_));
+}
+
+ControlledSimulation::ControlledSimulation(const Settings& settings, const Scene& scene, Publisher& publisher,
+                                           uint64_t session)
+    : simulation(makeSimulation(scene, settings)),
+      parameters(simulation),
+      head(scene.motion, scene.head_pivot, scene.skinned, simulation),
+      wind(settings.wind_sources, simulation),
+      hand(simulation),
+      colliders(scene, settings.collider_folder, simulation, publisher, session) {}
+
+size_t ControlledSimulation::advance() {
+  hand.releaseIfOver();
+  const double end = simulation.time() + simulation.parameters().time_step;
+  moveTo(end);
+  wind.advance(end);
+  simulation.step();
+  return simulation.resetDiverged();  // waits for the backend, so that the caller's clock has the whole step
+}
+
+void ControlledSimulation::moveTo(double time) {
+  head.advance(time);
+  colliders.advance(time);
+}
+
+void ControlledSimulation::reset() {
+  simulation.reset();
+  ++resets;
+}
+
+ParameterTable ControlledSimulation::table() const {
+  ParameterTable table = parameterTable(simulation.parameters());
+  for (const auto& [name, source] : wind.sources())
+    appendEntry(table, kWindSourceEntry, name, windSourceValues(source));
+  colliders.appendTo(table);
+  parameters.appendUnused(table);
+  return table;
 }
 
 }  // namespace strandcast

@@ -1,12 +1,24 @@
-// The head's motion and the sources of wind as commands control them.
+// What commands control of a simulation, a class each: parameters, the head's motion, the hand, pause and
+// single steps, and the sources of wind. In all of them a refused command throws Error, naming `where`, and
+// changes nothing (strong exception guarantee). A Simulation that is passed to a constructor must outlive the
+// object.
 #pragma once
+#include <array>
+#include <deque>
+#include <memory>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "air/wind_source.h"
 #include "core/simulation.h"
+#include "options/settings.h"
 #include "scenes/head_motion.h"
+#include "scenes/skinned_body.h"
+#include "service/collider_registry.h"
 #include "transport/messages.h"
+#include "transport/publisher.h"
 
 namespace strandcast {
 
@@ -30,15 +42,115 @@ struct HeadControl {
 /// motions turn about `pivot`, m. Throws Error on an unknown motion.
 HeadMotion motionOf(const HeadControl& control, const HeadMotion& scene, const Vec3& pivot);
 
-/// The pose after `seconds` of a motion from one pose to another over `of` seconds, then still. Velocity is
-/// continuous.
-Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of);
+/// The head's motion by commands: docs/wire.md, kinds 1 and 2. A clip of the body goes on and carries the
+/// head.
+class HeadMotionControl {
+ public:
+  /// Procedural motions turn about `pivot`, m. `skinned`: the body that the head's motion moves; may be null.
+  HeadMotionControl(HeadMotion scene_motion, const Vec3& pivot, std::shared_ptr<const SkinnedBody> skinned,
+                    Simulation& simulation)
+      : scene_motion_(std::move(scene_motion)),
+        motion_(scene_motion_),
+        pivot_(pivot),
+        skinned_(std::move(skinned)),
+        simulation_(simulation) {}
 
-/// A daemon's wind sources as commands change them: docs/wire.md, kinds 11 to 13. A refused command throws
-/// Error, naming `where`, and changes nothing (strong exception guarantee).
+  /// Execute the commands of kinds 1 and 2. Only procedural motions have names: files belong to another
+  /// machine.
+  void moveTo(const Command& command, const std::string& where);
+  void play(const Command& command);
+  /// Throws Error on an unknown motion.
+  void set(HeadControl control);
+  const HeadControl& control() const { return control_; }
+  /// Sets the poses of head, roots and parts of the body for `time`, s of simulation: the end of the next
+  /// step.
+  void advance(double time);
+
+ private:
+  /// The head pose of the motion alone, without the clip.
+  Pose motionPose() const;
+
+  HeadMotion scene_motion_, motion_;
+  HeadControl control_;  ///< the source of motion_
+  Vec3 pivot_;
+  std::shared_ptr<const SkinnedBody> skinned_;
+  Simulation& simulation_;
+};
+
+/// Parameters by commands: docs/wire.md, kind 0.
+class ParameterControl {
+ public:
+  explicit ParameterControl(Simulation& simulation) : simulation_(simulation) {}
+
+  /// Executes the command. Warns once of a parameter that has no effect with the other parameters.
+  void set(const Command& command, const std::string& where);
+  /// Appends the parameters that were set and have no effect now.
+  void appendUnused(ParameterTable& table) const;
+
+ private:
+  Simulation& simulation_;
+  std::set<std::string> unused_;  ///< parameters that had no effect when they were set
+};
+
+/// The hand that pulls hair by commands: docs/wire.md, kind 7.
+class HandControl {
+ public:
+  explicit HandControl(Simulation& simulation) : simulation_(simulation) {}
+
+  /// Executes the command; one without values releases the hair.
+  void pull(const Command& command, const std::string& where);
+  /// Releases the hair where the newest pull is over: a second of simulation time after its command.
+  void releaseIfOver();
+
+  static constexpr size_t kStateValues = 9;
+  /// The values of the newest pull and its end, s of simulation time; empty where no hair is pulled.
+  std::vector<double> state() const;
+  /// Continues a pull from a state(). Throws Error.
+  void restoreFrom(std::span<const double> state);
+
+ private:
+  void apply(std::span<const double> pull);
+
+  Simulation& simulation_;
+  std::array<double, kStateValues - 1> last_pull_{};
+  double end_ = 0;  ///< s of simulation time
+};
+
+/// Pause, and the single steps that commands request meanwhile: docs/wire.md, kinds 5 and 6.
+class StepSchedule {
+ public:
+  /// Steps that a command has requested and that are outstanding.
+  struct Request {
+    uint64_t command;
+    std::string where;  ///< for errors
+    int left;
+  };
+
+  void pause(bool paused) { paused_ = paused; }
+  bool isPaused() const { return paused_; }
+  /// Throws Error unless the simulation is paused.
+  void checkPaused(const std::string& where) const;
+  /// Throws Error where more than kMaxRequestedSteps would be outstanding.
+  void request(uint64_t command, const std::string& where, int count);
+  const std::deque<Request>& requests() const { return requests_; }
+  /// Counts a step of the first request. True where it was the last one; the caller answers, then calls
+  /// pop().
+  bool countStep() { return --requests_.front().left <= 0; }
+  void pop() { requests_.pop_front(); }
+
+  /// Continues the schedule of another daemon: clear(), then its requests.
+  void clear();
+  void restore(Request request) { requests_.push_back(std::move(request)); }
+
+ private:
+  bool paused_ = false;
+  std::deque<Request> requests_;
+};
+
+/// A daemon's wind sources as commands change them: docs/wire.md, kinds 11 to 13.
 class WindControl {
  public:
-  /// `sources`: those that `simulation` was made with. `simulation` must outlive this.
+  /// `sources`: those that `simulation` was made with.
   WindControl(std::vector<NamedWindSource> sources, Simulation& simulation)
       : sources_(std::move(sources)), simulation_(simulation) {}
 
@@ -79,5 +191,33 @@ WindSource windSourceOf(const std::vector<double>& values, const std::string& wh
 /// The values of a command that moves a source: parts, duration in s, and these parts of `to`, in the order
 /// of windSourceValues().
 std::vector<double> windMoveValues(const WindSource& to, WindSourceParts parts, double seconds);
+
+/// A daemon's simulation with all that commands control of it, and that a show is a snapshot of. Each part
+/// keeps its own invariants, so the parts are public.
+struct ControlledSimulation {
+  /// Makes the simulation. Colliders are announced to `publisher`, which must outlive this. Throws Error.
+  ControlledSimulation(const Settings& settings, const Scene& scene, Publisher& publisher, uint64_t session);
+  ControlledSimulation(const ControlledSimulation&) = delete;
+  ControlledSimulation& operator=(const ControlledSimulation&) = delete;
+
+  /// Takes a step: head, colliders and wind move to its end. Returns the number of strands that were reset
+  /// because they had diverged.
+  size_t advance();
+  /// Moves head and colliders to where they are at `time`, s of simulation.
+  void moveTo(double time);
+  /// Resets the hair. Motions of head and bodies, parameters, wind and simulation time are kept.
+  void reset();
+  /// What commands control, by name: docs/wire.md, "Status".
+  ParameterTable table() const;
+
+  Simulation simulation;
+  ParameterControl parameters;
+  HeadMotionControl head;
+  WindControl wind;
+  HandControl hand;
+  ColliderRegistry colliders;
+  StepSchedule steps;
+  uint32_t resets = 0;  ///< since the start of the show
+};
 
 }  // namespace strandcast

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <random>
 #include <thread>
 
 #include "core/error.h"
@@ -42,6 +43,13 @@ std::unique_ptr<Subscriber> join(const Settings& settings, bool frames) {
 }
 
 }  // namespace
+
+uint64_t newSession() {
+  std::random_device entropy;
+  const uint64_t clock = static_cast<uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+  const uint64_t session = clock ^ (static_cast<uint64_t>(entropy()) << 32 | entropy());
+  return session == 0 ? 1 : session;
+}
 
 std::string networkName(const Settings& settings) {
   return usesLcm(settings) ? "LCM " + lcmOptions(settings, 0).url

@@ -12,6 +12,9 @@
 
 namespace strandcast {
 
+/// A random session number that identifies one start of a daemon; never 0.
+uint64_t newSession();
+
 /// The network of these settings for messages: "DDS domain 3".
 std::string networkName(const Settings& settings);
 /// Joins the network as a reader of settings.groom_id.

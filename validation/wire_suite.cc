@@ -20,7 +20,7 @@
 #include "core/quantile.h"
 #include "options/console.h"
 #include "options/number_range.h"
-#include "service/daemon.h"
+#include "service/network.h"
 #include "service/process.h"
 #include "service/scene_simulation.h"
 #include "transport/dds.h"

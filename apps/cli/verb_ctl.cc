@@ -20,7 +20,6 @@
 #include "service/colliders.h"
 #include "service/commands.h"
 #include "service/controls.h"
-#include "service/daemon.h"
 #include "service/network.h"
 #include "transport/chunks.h"
 #include "transport/parameter_table.h"

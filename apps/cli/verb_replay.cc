@@ -13,7 +13,6 @@
 #include "io/text_number.h"
 #include "options/console.h"
 #include "options/number_range.h"
-#include "service/daemon.h"
 #include "service/network.h"
 #include "service/recorded_air.h"
 #include "service/replay.h"

@@ -4,7 +4,6 @@
 #include <chrono>
 
 #include "core/error.h"
-#include "service/daemon.h"
 #include "service/network.h"
 #include "service/stream.h"
 

@@ -1,0 +1,73 @@
+#include "service/status_report.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/quantile.h"
+
+namespace strandcast {
+namespace {
+
+constexpr size_t kStepWindow = 1200;  // steps in the window of the timing statistics
+
+}  // namespace
+
+StatusReport::StatusReport(uint32_t groom_id, uint64_t session, std::string groom_name,
+                           Simulation& simulation)
+    : simulation_(simulation) {
+  step_ms_.reserve(kStepWindow);
+  status_.groom_id = groom_id;
+  status_.session = session;
+  status_.groom_name = std::move(groom_name);
+  status_.backend = simulation.backend().name();
+  status_.device = simulation.backend().device();
+  status_.strands = simulation.model().strands();
+  status_.vertices = simulation.model().vertices();
+}
+
+void StatusReport::setChannel(uint32_t readers, const EncodingReport& encoding) {
+  status_.readers = readers;
+  status_.encoding = encoding;
+}
+
+void StatusReport::setAnswer(uint64_t command, const std::string& refusal) {
+  status_.last_command = command;
+  status_.last_command_error = refusal;
+}
+
+void StatusReport::addStep(double ms, size_t strands_reset) {
+  status_.strands_reset += strands_reset;
+  if (step_ms_.size() < kStepWindow)
+    step_ms_.push_back(ms);
+  else
+    step_ms_[step_count_ % kStepWindow] = ms;
+  ++step_count_;
+}
+
+void StatusReport::measureSlice(size_t strands) {
+  const size_t end = std::min(strands_measured_ + strands, simulation_.model().strands());
+  measured_.add(simulation_.measure({strands_measured_, end}));
+  strands_measured_ = end;
+}
+
+void StatusReport::measure() {
+  measureSlice(simulation_.model().strands());
+  const Measurement measured = std::exchange(measured_, {});
+  strands_measured_ = 0;
+  setTime();
+  status_.step_ms_median = quantileOf(step_ms_, 0.5);
+  status_.step_ms_p95 = quantileOf(step_ms_, 0.95);
+  status_.mean_stretch = measured.mean_stretch;
+  status_.max_stretch = std::max(status_.max_stretch, measured.max_stretch);
+  status_.max_penetration = std::max(status_.max_penetration, measured.max_penetration);
+  status_.non_finite = measured.non_finite;
+}
+
+void StatusReport::reset() {
+  measured_ = {};
+  strands_measured_ = 0;
+  status_.mean_stretch = status_.max_stretch = status_.max_penetration = 0;
+  status_.non_finite = status_.strands_reset = 0;
+}
+
+}  // namespace strandcast
