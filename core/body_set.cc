@@ -20,10 +20,15 @@ BodySet::BodySet(std::unique_ptr<BroadPhase> broad_phase, size_t neighbourhoods)
 
 BodyId BodySet::add(RigidBody body) {
   Placed added;
-  added.id = next_id_++;
   if (!body.follows_head) added.begin = added.end = body.pose;
   added.body = std::move(body);
-  addShapes(added);
+  try {
+    addShapes(added);
+  } catch (...) {
+    rebuildShapes();  // without those of this body
+    throw;
+  }
+  added.id = next_id_++;  // a refused body uses up no id
   bodies_.push_back(std::move(added));
   reserve();
   return bodies_.back().id;
@@ -51,8 +56,12 @@ void BodySet::reserve() {
 void BodySet::remove(BodyId body, const char* where) {
   find(body, where);
   std::erase_if(bodies_, [&](const Placed& known) { return known.id == body; });
+  rebuildShapes();
+}
+
+void BodySet::rebuildShapes() {
   shapes_.clear();
-  for (Placed& left : bodies_) addShapes(left);
+  for (Placed& placed : bodies_) addShapes(placed);
 }
 
 const BodySet::Placed* BodySet::findOrNull(BodyId body) const {

@@ -105,6 +105,7 @@ class BodySet {
   Placed& find(BodyId body, const char* where);
   /// Adds the body's primitives to shapes_; throws Error.
   void addShapes(Placed& body);
+  void rebuildShapes();  ///< all bodies' primitives anew, in order
   void reserve();
 
   std::vector<Placed> bodies_;

@@ -1,7 +1,7 @@
 // Signed distance of a point to the surface of a body, by the kind of shape. The CPU's counterpart is
 // core/body_surface.inl.
-// Requires kernels/rotation.h, kernels/contact.h, kernels/distance_field.h, with SHAPE_KINDS 2 kernels/distance_field.h, and
-// shape_words[], the words of ShapeData (core/contact_primitive.h).
+// Requires kernels/rotation.h, kernels/contact.h, kernels/distance_field.h, and shape_words[], the words of ShapeData
+// (core/contact_primitive.h).
 // SHAPE_KINDS: 0: spheres, capsules, tapered capsules and planes.
 //              1: also the kinds with a rotation: ellipsoids, boxes, convex bodies and distance fields. Their code is long.
 //              2: also fields that bend.
@@ -59,7 +59,7 @@ float stretchOfBend(uint at) { return shapeNumber(at + 63u); }
 bool isBent(uint kind, uint extra) { return kind > kConvex && extra != 0u; }
 #endif
 
-// Signed distance, m, to the field whose words start at `at`. As fieldDistanceAt() of core/body_surface.inl; the layout is
+// Signed distance, m, to the field whose words start at `at`. As fieldSurfaceAt() of core/body_surface.inl; the layout is
 // in core/distance_field.h.
 float fieldDistanceAt(uint at, vec3 x, float clear, out vec3 normal) {
   float cell = shapeNumber(at + 3u), band = shapeNumber(at + 7u), quantum = shapeNumber(at + 8u);

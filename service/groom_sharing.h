@@ -19,6 +19,8 @@ class GroomSharing {
   /// The other objects must outlive this.
   GroomSharing(const Settings& settings, const Scene& scene, ControlledSimulation& controlled,
                StatusReport& report, Publisher& publisher);
+  GroomSharing(const GroomSharing&) = delete;
+  GroomSharing& operator=(const GroomSharing&) = delete;
 
   /// Whether this daemon has no show yet: it simulates nothing, and calls join() each frame.
   bool isWaiting() const { return state_ == State::kWaiting; }

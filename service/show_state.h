@@ -54,6 +54,8 @@ class ShowState {
   /// `report` must outlive this.
   ShowState(const Settings& settings, std::vector<ShowEntry> fingerprint, ControlledSimulation& controlled,
             StatusReport& report);
+  ShowState(const ShowState&) = delete;  // checks of bodies that are being made refer to colliders()
+  ShowState& operator=(const ShowState&) = delete;
 
   /// The state that a standby needs to go on in place of this daemon. `with_hair`: including the strand
   /// state.
