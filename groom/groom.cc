@@ -198,7 +198,7 @@ void warnOfUnit(Groom& groom, const std::string& name) {
 
 }  // namespace
 
-Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options) {
+Groom loadUncleanedGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options) {
   checkUnit(options.unit_meters);
   if (files.empty())
     throw Error("no groom file is given", "loading a groom", "name one or more files (--groom)");
@@ -211,11 +211,14 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
   std::set<std::filesystem::path> places;
   for (size_t f = 0; f < files.size(); ++f) {
     RawGroom raw = readRawGroom(files[f]);
-    rotateToYUp(raw.strands.positions, options.up == UpAxis::kAuto ? raw.native_up : options.up);
-    if (f == 0)
+    const UpAxis up = options.up == UpAxis::kAuto ? raw.native_up : options.up;
+    rotateToYUp(raw.strands.positions, up);
+    if (f == 0) {
       said = raw.unit_meters;
-    else if (options.unit_meters == 0)
+      groom.report.up = up;
+    } else if (options.unit_meters == 0) {
       toUnit(raw, said, files[f].string());
+    }
     if (const std::string doubt = defaultUnitWarning(raw); options.unit_meters == 0 && !doubt.empty())
       groom.report.warnings.push_back(fmt::format("{}: {}", files[f].string(), doubt));
     if (options.unit_meters > 0 && raw.unit_meters > 0 && !raw.unit_is_default &&
@@ -240,6 +243,11 @@ Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomRead
   merger.finish();
   groom.report.strands_read = groom.strands.strands();
   convertUnits(groom, options, said, files[0].string());
+  return groom;
+}
+
+Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options) {
+  Groom groom = loadUncleanedGroom(files, options);
   cleanStrands(groom);
   if (groom.strands.strands() == 0)
     throw Error("no strand is left after cleaning, all are points", files[0].string(),

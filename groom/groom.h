@@ -19,6 +19,7 @@ struct GroomReport {
   /// Metres per unit of the files, given or guessed; a body of the same origin has the same unit.
   float unit_meters = 0;
   bool is_unit_guessed = false;       ///< the unit is neither given nor stated by the files
+  UpAxis up = UpAxis::kY;             ///< up axis that the first file was read with
   std::vector<std::string> warnings;  ///< one line each, e.g. that the unit was guessed, and from what
   std::vector<std::string> left_out;  ///< other contents of the files (FileReport); with several files one
                                       ///< line per file, "NAME: A, B"
@@ -57,5 +58,7 @@ GroomSummary summarize(const StrandSet& strands);
 /// Throws Error as readRawGroom(), and when a unit is not positive, when only some of the files state their
 /// unit, when a vertex lies 10 km away, or when no strand is left.
 Groom loadGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options);
+/// As loadGroom(), with the strands as the files have them: neither cleaned nor checked for their size.
+Groom loadUncleanedGroom(const std::vector<std::filesystem::path>& files, const GroomReadOptions& options);
 
 }  // namespace strandcast

@@ -232,7 +232,7 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
                    "contact with the body: its baked distance field (default; kept in the cache), or spheres "
                    "fitted into it (fast, coarse)")
       ->check(CLI::IsMember({"field", "spheres"}));
-  scene->add_option("--body-clip", body_clip_,
+  scene->add_option(use == SettingsUse::kCheck ? "--body-clip,--clip" : "--body-clip", body_clip_,
                     "clip that moves a glTF body with a skin or morph targets: the name of one of its "
                     "animations, or a .bvh file whose joints have the same names");
   scene->add_option("--body-joint", body_joint_,
@@ -305,9 +305,12 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
   simulation->add_option("--rate", given_.rate, "frames per second")
       ->check(finiteRange(1.0, 1000.0))
       ->capture_default_str();
-  simulation->add_option("--duration", given_.duration, "seconds of wall time to run; 0 = until interrupted")
-      ->check(finiteRange(0.0, 1e9));
-  addNetworkOptions(app, given_);
+  if (use != SettingsUse::kCheck) {
+    simulation
+        ->add_option("--duration", given_.duration, "seconds of wall time to run; 0 = until interrupted")
+        ->check(finiteRange(0.0, 1e9));
+    addNetworkOptions(app, given_);
+  }
   if (use == SettingsUse::kServe)
     app.add_option(
         "--collider-folder", given_.collider_folder,
@@ -346,6 +349,24 @@ void SettingsOptions::warnOfUnusedNetwork() const {
        {"--transport", "--profile", "--keys", "--peers", "--discovery-server", "--lcm-url", "--domain"})
     if (isGiven(option))
       spdlog::warn("{} is not used: the scene is simulated in this process, without a network", option);
+}
+
+void SettingsOptions::nameFiles(const std::vector<std::string>& groom, const std::string& body,
+                                const std::string& clip) {
+  const auto give = [&](const char* option, const std::vector<std::string>& names) {
+    if (names.empty()) return;
+    CLI::Option* const known = app_.get_option(option);
+    if (known->count() > 0)
+      throw Error("files are named by arguments and by an option", option, "leave one of them out");
+    known->add_result(names);
+    known->run_callback();
+  };
+  const auto one = [](const std::string& name) {
+    return name.empty() ? std::vector<std::string>() : std::vector<std::string>{name};
+  };
+  give("--groom", groom);
+  give("--body", one(body));
+  give("--body-clip", one(clip));
 }
 
 Settings SettingsOptions::resolve() const {

@@ -57,7 +57,8 @@ struct Settings {
 
 /// How a program uses the settings. kCast: simulates at a steady rate and publishes frames. kServe: also
 /// executes commands of others. kCompare: runs the scene with several solvers, with neither rate nor network.
-enum class SettingsUse { kCast, kServe, kCompare };
+/// kCheck: as kCast, for a short run without network; --clip also means --body-clip.
+enum class SettingsUse { kCast, kServe, kCompare, kCheck };
 
 /// Declares the options of scene and simulation on `app`; resolve() reads them.
 class SettingsOptions {
@@ -69,6 +70,9 @@ class SettingsOptions {
   /// The same with this text in place of the --config file, for settings that have run before: settings
   /// without effect are neither refused nor logged.
   Settings resolve(const std::string& config_text) const;
+  /// Files that are named as arguments count as --groom, --body and --body-clip; an empty name is none. Call
+  /// after parsing and before resolve(). Throws Error where an option names a file, too.
+  void nameFiles(const std::vector<std::string>& groom, const std::string& body, const std::string& clip);
   /// The --config file; empty where none was given.
   const std::filesystem::path& config() const { return config_; }
   /// Whether a scene was asked for (--scene, --groom, --body or --config): then a viewer needs no daemon.

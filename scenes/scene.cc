@@ -398,7 +398,9 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
                                     1000 * binding.mean_distance, 1000 * binding.max_distance));
   warnOfFarRoots(scene.body, binding, scene.warnings);
   reportWarnings(options, scene);
-  if (skinned) {
+  if (options.body_contact == BodyContact::kNone) {
+    scene.skinned = std::move(skinned);
+  } else if (skinned) {
     bakeParts(options, progress, scene, std::move(skinned));
     noteBodyMotion(scene);
   } else if (options.body_contact == BodyContact::kField)
@@ -537,7 +539,7 @@ void checkSkinned(const SceneOptions& options) {
   if (options.groom.empty() || options.body.empty())
     throw Error("no body file is given", "clip, joint or roots of the body",
                 "name groom and body files (--groom, --body)");
-  if (options.body_contact != BodyContact::kField)
+  if (options.body_contact == BodyContact::kSpheres)
     throw Error("a skinned body cannot collide as spheres", options.body.string(),
                 "use --body-contact field");
 }

@@ -21,8 +21,9 @@ namespace strandcast {
 
 /// Collision representation of a body mesh.
 enum class BodyContact {
-  kField,   ///< its signed distance field: accurate
-  kSpheres  ///< spheres fitted into it, shrunk until no hair at rest is inside: quick to make, coarse
+  kField,    ///< its signed distance field: accurate
+  kSpheres,  ///< spheres fitted into it, shrunk until no hair at rest is inside: quick to make, coarse
+  kNone      ///< no contact: hair passes through the body. For looking at a scene without baking a field
 };
 
 /// Input of a scene: a named procedural scene, or groom files with an optional body.

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
       "  strandcast view --scene curly              simulation and window in one process, no daemon\n"
       "  strandcast render --frames 60 --out out    draw the frames of a daemon as PNG files\n"
       "  strandcast info bob.tfx --json\n"
+      "  strandcast check bob.tfx head.obj          are they ready for a show?\n"
       "  strandcast validate physics                the solver against exact solutions\n"
       "  strandcast ctl wind 3 0 0");
   app.require_subcommand(1);
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
   };
   add("info", "Print the contents of a groom file, or the backends of this machine", addInfo);
   add("convert", "Rewrite a groom in another format", addConvert);
+  add("check", "Check groom, body and clip before a show: one verdict, numbers and a picture", addCheck);
   add("bake", "Bake the signed distance field of a body mesh", addBake);
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "Draw frames into PNG files, with or without a daemon", addRender);

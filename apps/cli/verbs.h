@@ -14,6 +14,7 @@ using Verb = std::function<int()>;
 Verb addInfo(CLI::App& app);
 Verb addConvert(CLI::App& app);
 Verb addBake(CLI::App& app);
+Verb addCheck(CLI::App& app);
 Verb addRender(CLI::App& app);
 Verb addCompare(CLI::App& app);
 Verb addView(CLI::App& app);

@@ -7,6 +7,7 @@
 #include "options/number_range.h"
 #include "options/scene_loading.h"
 #include "options/settings.h"
+#include "tests/expect_error.h"
 
 namespace strandcast {
 namespace {
@@ -111,6 +112,28 @@ TEST(HairEstimate, TellsOfLargeGroomsAndNotOfSmallOnes) {
   EXPECT_EQ(large.vertices, 100000000u);
   EXPECT_GT(large.seconds, 1);
   EXPECT_NE(large.text().find(" s, 23842 MiB"), std::string::npos) << large.text();
+}
+
+TEST(Settings, FilesNamedAsArgumentsCountAsOptions) {
+  CLI::App app("a program");
+  SettingsOptions options(app, SettingsUse::kCheck);
+  app.parse("--unit-meters 0.01 --rate 50");
+  options.nameFiles({"front.tfx", "back.tfx"}, "head.glb", "walk");
+  const Settings settings = options.resolve();
+  ASSERT_EQ(settings.scene.groom.size(), 2u);
+  EXPECT_EQ(settings.scene.groom[1], "back.tfx");
+  EXPECT_EQ(settings.scene.body, "head.glb");
+  ASSERT_TRUE(settings.scene.skinned);
+  EXPECT_EQ(settings.scene.skinned->clip, "walk");
+  EXPECT_EQ(settings.given.at("body.file"), "--body");
+  EXPECT_EQ(settings.rate, 50);
+
+  CLI::App again("a program");
+  SettingsOptions twice(again, SettingsUse::kCheck);
+  again.parse("--body head.glb --clip walk");
+  expectError([&] { twice.nameFiles({"front.tfx"}, "other.glb", ""); }, {"--body", "leave one of them out"});
+  twice.nameFiles({"front.tfx"}, "", "");
+  EXPECT_EQ(twice.resolve().scene.skinned->clip, "walk");
 }
 
 }  // namespace

@@ -260,10 +260,10 @@ class RivalChannel final : public Publisher {
 
 /// The result of ConflictDetector::check() of session 0x80 for the conflicting daemon `heard`, after `frames`
 /// frames.
-struct CheckResult {
+struct WatchResult {
   std::string said, ends;
 };
-CheckResult look(ConflictDetector& watch, std::optional<ConflictingDaemon> heard, uint64_t frames,
+WatchResult look(ConflictDetector& watch, std::optional<ConflictingDaemon> heard, uint64_t frames,
                  std::chrono::seconds casting) {
   RivalChannel channel;
   channel.heard = heard;
@@ -279,7 +279,7 @@ CheckResult look(ConflictDetector& watch, std::optional<ConflictingDaemon> heard
 TEST(RivalWatchTest, TellsOnceOfEachThatCasts) {
   ConflictDetector watch(7);
   const auto said = [&](std::optional<ConflictingDaemon> heard) {
-    const CheckResult looked = look(watch, heard, 6000, std::chrono::seconds(100));
+    const WatchResult looked = look(watch, heard, 6000, std::chrono::seconds(100));
     EXPECT_EQ(looked.ends, "") << "who has cast for long stays";
     return looked.said;
   };

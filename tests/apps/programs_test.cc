@@ -23,9 +23,9 @@ namespace {
 using Programs = ProgramFixture;
 
 TEST_F(Programs, HelpTeachesAndExitsWithZero) {
-  for (const char* words :
-       {" --help", " info --help", " convert --help", " bake --help", " render --help", " compare --help",
-        " ctl --help", " record --help", " replay --help", " keys --help", " validate --help"}) {
+  for (const char* words : {" --help", " info --help", " convert --help", " check --help", " bake --help",
+                            " render --help", " compare --help", " ctl --help", " record --help",
+                            " replay --help", " keys --help", " validate --help"}) {
     const Outcome r = run(program_ + words);
     EXPECT_EQ(r.exit_code, 0) << words << r.err;
     EXPECT_GT(r.out.size(), 200u) << words;
@@ -55,6 +55,13 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
         program_ + " bake " + (folder_ / "points.obj").string() + " --no-cache",
         program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --cell 1e-5",
         program_ + " bake " + (folder_ / "cube.obj").string() + " --no-cache --unit-meters 1 --memory 1",
+        program_ + " check",
+        program_ + " check " + (folder_ / "empty.tfx").string() + " " + (folder_ / "cube.obj").string(),
+        program_ + " check a.tfx b.tfx",
+        program_ + " check a.tfx head.obj other.obj",
+        program_ + " check a.tfx head.obj walk more",
+        program_ + " check a.tfx head.obj --groom b.tfx",
+        program_ + " check a.tfx head.obj --picture check.jpg",
         program_ + " validate chemistry",
         program_ + " replay " + (folder_ / "absent.rec").string(),
         program_ + " replay " + (folder_ / "cube.obj").string() + " --check",
@@ -83,6 +90,55 @@ TEST_F(Programs, BadInputIsOneLineAndExitCodeTwo) {
   }
   EXPECT_EQ(run(program_ + " fly").exit_code, 2);
   EXPECT_EQ(run(daemon_ + " --rate zero").exit_code, 2);
+}
+
+TEST_F(Programs, CheckSaysWhetherAShowIsReady) {
+  write("cube.obj", kCube);
+  std::string hair, lines;
+  for (int s = 0; s < 12; ++s) {  // on the top of the cube
+    lines += "l";
+    for (int i = 0; i < 5; ++i) {
+      hair += "v " + std::to_string(0.02 + 0.02 * (s % 4)) + ' ' + std::to_string(0.1 + 0.02 * i) + ' ' +
+              std::to_string(0.03 + 0.02 * (s / 4)) + '\n';
+      lines += ' ' + std::to_string(5 * s + i + 1);
+    }
+    lines += '\n';
+  }
+  write("hair.obj", hair + lines);
+  const std::string command = "XDG_CACHE_HOME=" + folder_.string() + " " + program_ + " check " +
+                              (folder_ / "hair.obj").string() + " ";
+  const std::string cube = (folder_ / "cube.obj").string(), as_said = " --unit-meters 1 --backend simd";
+  const Outcome good = run(command + cube + as_said + " --json");
+  ASSERT_EQ(good.exit_code, 0) << good.out << good.err;
+  const nlohmann::json report = nlohmann::json::parse(good.out);
+  EXPECT_EQ(report["faults"], 0);
+  EXPECT_NE(report["verdict"], "not ready");
+  EXPECT_EQ(report["body"], cube);
+  EXPECT_EQ(report["cost"]["strands"], 12);
+  EXPECT_GT(report["cost"]["bytes_per_frame"], 0);
+  EXPECT_TRUE(report["picture"].is_null());
+  for (const char* key : {"check", "severity", "what", "number", "unit", "where", "remedy"})
+    EXPECT_TRUE(report["results"][0].contains(key)) << key;
+
+  // The body a hundredth as large: not ready, with the option that helps. Nothing is simulated.
+  const Outcome bad = run(command + "--body " + cube + as_said + " --body-unit-meters 0.01 --json");
+  ASSERT_EQ(bad.exit_code, 1) << bad.out << bad.err;
+  const nlohmann::json faulty = nlohmann::json::parse(bad.out);
+  EXPECT_EQ(faulty["verdict"], "not ready");
+  EXPECT_TRUE(faulty["cost"].is_null());
+  bool is_answered = false;
+  for (const nlohmann::json& row : faulty["results"])
+    is_answered |= row["check"] == "scale" &&
+                   row["remedy"].get<std::string>().find("--body-unit-meters 1?") != std::string::npos;
+  EXPECT_TRUE(is_answered) << bad.out;
+
+  // A table, without a body, and a picture where there is OpenGL.
+  const Outcome alone =
+      run(command + "--unit-meters 1 --no-cost --picture " + (folder_ / "check.png").string());
+  EXPECT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_NE(alone.out.find("verdict: ready with warnings"), std::string::npos) << alone.out;
+  EXPECT_EQ(std::filesystem::exists(folder_ / "check.png"), alone.err.find("no picture") == std::string::npos)
+      << alone.err;
 }
 
 TEST_F(Programs, ValidateExitsWithOneWhenACaseFails) {
