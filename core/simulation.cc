@@ -298,29 +298,50 @@ size_t Simulation::resetDiverged() {
   return broken.size();
 }
 
-void Simulation::teleport(const Pose& head) {
-  checkPose(head, "Simulation::teleport");
+void Simulation::carryHair(std::span<const Pose> motions) {
   StrandState state;
   backend_->download(state);
-  // All poses are relative to the old or the new origin: world coordinates of a far head are too coarse for
-  // the difference.
-  const Pose from = origin_.toLocal(bones_begin_[0]);
-  for (Pose& bone : bones_begin_) bone = origin_.toLocal(bone);
+  for (size_t s = 0; s < model_->strands(); ++s) {
+    const uint32_t root = model_->offsets[s];
+    size_t bone = model_->rootBone(s);
+    for (uint32_t v = root; v < model_->offsets[s + 1]; ++v) {
+      if (v > root && model_->isPinned(s, v) && !model_->pin_bones.empty()) bone = model_->pin_bones[v];
+      const Pose& motion = motions[bone];
+      state.positions[v] = motion.apply(state.positions[v]);
+      state.velocities[v] = motion.rotate(state.velocities[v]);
+      if (!state.contacts.empty()) state.contacts[v] = motion.rotate(state.contacts[v]);
+      if (!state.frames.empty()) state.frames[v] = (motion.rotation * state.frames[v]).normalized();
+    }
+  }
+  uploadState(state);
+  if (external_forces_) external_forces_->reset(origin_.position);
+}
+
+void Simulation::jumpToPoses() {
+  const Origin before = origin_;
+  chooseOrigin(bones_end_[0]);
+  std::vector<Pose> motions;
+  for (size_t bone = 0; bone < bones_end_.size(); ++bone)
+    motions.push_back(origin_.toLocal(bones_end_[bone]) * before.toLocal(bones_begin_[bone]).inverse());
+  advanceMotion();
+  carryHair(motions);
+}
+
+void Simulation::teleport(const Pose& head) {
+  checkPose(head, "Simulation::teleport");
+  const Origin before = origin_;
   chooseOrigin(head);
-  const Pose carry = origin_.toLocal(head) * from.inverse();
-  for (Vec3& position : state.positions) position = carry.apply(position);
-  for (std::vector<Vec3>* plane : {&state.velocities, &state.contacts})
-    for (Vec3& vector : *plane) vector = carry.rotate(vector);
-  for (Quat& frame : state.frames) frame = (carry.rotation * frame).normalized();
+  const Pose carry = origin_.toLocal(head) * before.toLocal(bones_begin_[0]).inverse();
   for (Pose& bone : bones_begin_) {
-    bone = carry * bone;
+    bone = carry * before.toLocal(bone);
     bone.rotation.normalize();
     bone = origin_.toWorld(bone);
   }
   bones_begin_[0] = head;
   bones_end_ = bones_begin_;
-  uploadState(state);
-  if (external_forces_) external_forces_->reset(origin_.position);
+  // Not jumpToPoses(): bodies that do not follow the head keep their motion, and all bones have one exact
+  // motion, without the rounding of their world poses.
+  carryHair(std::vector<Pose>(bones_begin_.size(), carry));
 }
 
 void Simulation::resumeFrom(const StrandState& state, double time) {

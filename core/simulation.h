@@ -100,12 +100,18 @@ class Simulation {
   /// strand's length. Returns their number. Waits for the backend. Allocates only if there are such strands
   /// or the origin changes.
   size_t resetDiverged();
-  /// Origin of the backend's coordinates, m, world, whole metres: see Origin. reset(), teleport() and
-  /// resumeFrom() choose the origin; resetDiverged() moves it when the head is far from it.
+  /// Origin of the backend's coordinates, m, world, whole metres: see Origin. reset(), teleport(),
+  /// jumpToPoses() and resumeFrom() choose the origin; resetDiverged() moves it when the head is far from it.
   const Vec3& origin() const { return origin_.position; }
   /// Moves the hair and every bone rigidly so that the head is at `head`, without motion in between. Throws
   /// Error as checkPose() does.
   void teleport(const Pose& head);
+  /// A cut: bones and bodies are at once where the setters put them for the end of the next step. Hair moves
+  /// rigidly with the bone of its root, beyond a pinned vertex with the bone of that. Its velocities rotate
+  /// with it and gain nothing. The air starts from its initial state; a hand stays where it is. Waits for the
+  /// backend; allocates. A strand whose bones move differently is stretched between them: the next step, or
+  /// resetDiverged(), restores its length.
+  void jumpToPoses();
 
   /// Continues where another simulation of the same model was after `time` s. `state`: the hair, as state()
   /// of that simulation returned it. Bones and bodies are at their newest poses, without motion before; the
@@ -138,6 +144,10 @@ class Simulation {
   /// Uploads `state`, which is relative to origin_, and places the bodies. The caller informs the air.
   void uploadState(const StrandState& state);
   void rebaseOrigin();  ///< moves the origin if the head is far from it
+  /// Moves hair rigidly with the bones, without motion in between, and resets the air. `motions`: per bone,
+  /// from its old place, relative to the origin of the backend's state, to its new one, relative to origin_.
+  /// Relative poses are used because world coordinates of a far head are too coarse for the difference.
+  void carryHair(std::span<const Pose> motions);
   void addPull(StepInput& input);
   /// Configures external forces and backend for these parameters. Returns whether they are needed. Throws
   /// Error.

@@ -333,6 +333,28 @@ TEST(Bones, ResetAndTeleportTakeThemAlong) {
   EXPECT_LT((simulation.guides()[middle] - (there * ribbon).apply(rest)).norm(), 1e-5f);
 }
 
+TEST(Bones, ACutTakesThemAlong) {
+  Simulation simulation = tied(parametersOf(SolverKind::kRod));
+  for (int i = 0; i < 20; ++i) simulation.step();
+  const StrandState before = simulation.state();
+  const StrandModel& model = simulation.model();
+  const Pose there{Vec3(1, 2, 3), Quat(Eigen::AngleAxisf(1.0f, Eigen::Vector3f::UnitY()))};
+  const Pose clip{Vec3(0, 0, -2), Quat::Identity()};
+  simulation.setHeadPose(there);
+  simulation.setBonePose("ribbon", there * Pose{Vec3(0, 0.001f, 0), Quat::Identity()});
+  simulation.setBonePose("clip", clip);
+  simulation.jumpToPoses();
+  const StrandState after = simulation.state();
+  const uint32_t middle = kEdges / 2;
+  for (uint32_t v = 0; v < model.vertices(); ++v) {
+    const Pose motion = simulation.bonePose(v >= model.offsets[1] ? 2 : v >= middle ? 1 : 0);
+    EXPECT_LT((after.positions[v] - motion.apply(before.positions[v])).norm(), 1e-6f) << v;
+  }
+  simulation.step();
+  EXPECT_EQ(simulation.resetDiverged(), 0u);
+  EXPECT_LT((simulation.guides()[middle] - after.positions[middle]).norm(), 1e-6f) << "the tie stands still";
+}
+
 TEST(Bones, WhatIsNoBoneOrNoRangeIsRefused) {
   auto refusal = [](const std::function<void()>& call) -> std::string {
     try {

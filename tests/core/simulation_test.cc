@@ -12,6 +12,7 @@ namespace strandcast {
 namespace {
 
 constexpr uint64_t kGoldenHash = 9277578725521340165ull;
+constexpr uint64_t kTeleportHash = 4455343052807784181ull;
 
 // Two straight strands of 9 vertices and 16 cm along x, and a curled one of 6 vertices.
 StrandModel smallModel() {
@@ -228,6 +229,130 @@ TEST(Simulation, TheOriginFollowsAHeadThatWalks) {
   }
   EXPECT_LT(walks.measure().max_stretch, 1e-4);
   EXPECT_LT(differenceOfShapes(walks, stands), 1e-4);
+}
+
+/// smallModel() without gravity after 20 steps in which its two bones move differently. The bone "arm"
+/// carries the second strand.
+Simulation onTwoBones() {
+  StrandModel model = smallModel();
+  pinToBone(model, 1, 0, 0, "arm");
+  Parameters parameters;
+  parameters.gravity.setZero();
+  Simulation simulation(std::move(model), {}, parameters, makeReferenceBackend());
+  for (int i = 1; i <= 20; ++i) {
+    simulation.setHeadPose({Vec3(0, 0.002f * i, 0), Quat(Eigen::AngleAxisf(0.03f * i, Vec3::UnitZ()))});
+    simulation.setBonePose("arm",
+                           {Vec3(0, 0, 0.002f * i), Quat(Eigen::AngleAxisf(0.03f * i, Vec3::UnitY()))});
+    simulation.step();
+  }
+  return simulation;
+}
+
+/// Largest distance, m, and largest difference of velocities, m/s, between two simulations of one model, each
+/// strand seen from the bone of its root.
+std::pair<float, float> differenceOnBones(Simulation& a, Simulation& b) {
+  const StrandModel& model = a.model();
+  const StrandState of_a = a.state(), of_b = b.state();
+  float place = 0, speed = 0;
+  for (size_t s = 0; s < model.strands(); ++s) {
+    const Pose from_a = a.bonePose(model.rootBone(s)).inverse(),
+               from_b = b.bonePose(model.rootBone(s)).inverse();
+    for (uint32_t v = model.offsets[s]; v < model.offsets[s + 1]; ++v) {
+      place = std::max(place, (from_a.apply(of_a.positions[v]) - from_b.apply(of_b.positions[v])).norm());
+      speed = std::max(speed, (from_a.rotate(of_a.velocities[v]) - from_b.rotate(of_b.velocities[v])).norm());
+    }
+  }
+  return {place, speed};
+}
+
+TEST(Simulation, ACutMovesEachStrandRigidlyWithItsBone) {
+  Simulation cut = onTwoBones(), uncut = onTwoBones();
+  const StrandState before = cut.state();
+  const Pose there{Vec3(3, 1, -2), Quat(Eigen::AngleAxisf(2.0f, Eigen::Vector3f(1, 2, 3).normalized()))};
+  cut.setBonePose("arm", there);
+  cut.jumpToPoses();
+  EXPECT_EQ(cut.bonePose(1).position, there.position);
+  EXPECT_EQ(cut.steps(), uncut.steps());
+  const auto [place, speed] = differenceOnBones(cut, uncut);
+  EXPECT_LT(place, 1e-6f);
+  EXPECT_LT(speed, 2e-6f);
+  const StrandState after = cut.state();
+  EXPECT_GT(before.velocities[8].norm(), 0.1f) << "the hair moves";
+  EXPECT_LT((after.positions[8] - before.positions[8]).norm(), 1e-6f) << "the head stays where it is";
+  EXPECT_GT((after.positions[17] - before.positions[17]).norm(), 3);
+  for (int i = 0; i < 30; ++i) {
+    cut.step();
+    uncut.step();
+    EXPECT_EQ(cut.resetDiverged(), 0u);
+    EXPECT_LT(differenceOnBones(cut, uncut).first, 1e-5f) << "no step sees the way in between: " << i;
+  }
+}
+
+TEST(Simulation, ACutFarAwayKeepsTheShapeOfHairToAMicrometre) {
+  Simulation cut = onTwoBones();
+  const auto shape = [&] {
+    std::vector<Vec3> edges;
+    for (size_t s = 0; s < cut.model().strands(); ++s) {
+      const Quat back = cut.bonePose(cut.model().rootBone(s)).rotation.conjugate();
+      for (uint32_t v = cut.model().offsets[s]; v < cut.model().offsets[s + 1]; ++v)
+        edges.push_back(back * (cut.backend().guides()[v] - cut.backend().guides()[cut.model().offsets[s]]));
+    }
+    return edges;
+  };
+  const std::vector<Vec3> before = shape();
+  const Vec3 far(1000, 2, -1000);
+  for (const Pose& there : {Pose{far, Quat(Eigen::AngleAxisf(1, Vec3::UnitX()))}, Pose{}}) {
+    cut.setHeadPose(there);
+    cut.setBonePose("arm", {there.position + Vec3(0.5f, 0, 0), there.rotation});
+    cut.jumpToPoses();
+    EXPECT_EQ(cut.origin(), there.position);
+    const std::vector<Vec3> now = shape();
+    for (size_t v = 0; v < now.size(); ++v) EXPECT_LT((now[v] - before[v]).norm(), 2e-6f) << v;
+  }
+}
+
+TEST(Simulation, ACutTakesBodiesToTheirPoses) {
+  RigidBody ball{{{PrimitiveKind::kSphere, Vec3(0, -0.5f, 0), Vec3::UnitY(), 0.1f, 0.3f}}};
+  RigidBody head = ball;
+  head.follows_head = true;
+  Simulation simulation = makeSimulation(Parameters(), {ball, head});
+  simulation.setBodyPose(0, {Vec3(0, 0, 1), Quat::Identity()});
+  simulation.setHeadPose({Vec3(0, 1, 0), Quat::Identity()});
+  simulation.jumpToPoses();
+  EXPECT_EQ(simulation.bodyPose(0).position, Vec3(0, 0, 1));
+  const StepInput input = simulation.nextInput();
+  ASSERT_EQ(input.primitives.size(), 2u);
+  for (const MovingPrimitive& body : input.primitives)
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(body.a_begin[c], body.a_end[c]);
+  EXPECT_EQ(input.primitives[0].a_begin[2], 1);
+  EXPECT_EQ(input.primitives[1].a_begin[1], 0.5f);
+}
+
+TEST(Simulation, ATeleportIsACutOfTheHead) {
+  const Pose there{Vec3(7, 0, 3), Quat(Eigen::AngleAxisf(1.0f, Eigen::Vector3f::UnitZ()))};
+  Simulation teleported = makeSimulation(Parameters()), cut = makeSimulation(Parameters());
+  for (Simulation* one : {&teleported, &cut})
+    for (int i = 0; i < 10; ++i) one->step();
+  teleported.teleport(there);
+  cut.setHeadPose(there);
+  cut.jumpToPoses();
+  EXPECT_EQ(stateHash(teleported.state()), stateHash(cut.state()));
+}
+
+// The teleport discards what was set for the arm, and the body goes on moving.
+TEST(Simulation, ATeleportKeepsItsGoldenHash) {
+  StrandModel model = smallModel();
+  pinToBone(model, 1, 0, 0, "arm");
+  RigidBody ball{{{PrimitiveKind::kSphere, Vec3(0.1f, -0.06f, 0), Vec3::UnitY(), 0.05f, 0.3f}}};
+  Simulation simulation(model, {ball}, Parameters(), makeReferenceBackend());
+  for (int i = 0; i < 20; ++i) simulation.step();
+  for (const Vec3& place : {Vec3(1, 0.5f, 2), Vec3(100.3f, 7, -1000), Vec3(0, 0, 0)}) {
+    simulation.setBonePose("arm", {Vec3(9, 9, 9), Quat::Identity()});
+    simulation.setBodyPose(0, {Vec3(0.01f * place.x(), 0, 0), Quat::Identity()});
+    simulation.teleport({place, Quat(0.8f, 0, 0, 0.6f)});
+    for (int i = 0; i < 5; ++i) simulation.step();
+  }
+  EXPECT_EQ(stateHash(simulation.state()), kTeleportHash);
 }
 
 TEST(Simulation, BodiesThatMayBendDoAndOthersAreRefused) {
