@@ -214,12 +214,28 @@ Pose SkinnedBody::carried(double seconds) const {
 }
 
 SkinnedBody::Moment SkinnedBody::at(double seconds, const Pose& head) const {
-  std::vector<Placement> joints = skin_.skeleton.worldTransforms(played(seconds));
+  return momentOf(skin_.skeleton.worldTransforms(played(seconds)), weightsAt(seconds), head);
+}
+
+SkinnedBody::Moment SkinnedBody::fromPalette(std::span<const std::optional<Placement>> motions,
+                                             std::span<const float> weights, const Pose& head) const {
+  std::vector<Placement> moved, joints;  // moved: motion from rest of each joint
+  for (size_t j = 0; j < rest_.size(); ++j) {
+    const int parent = skin_.skeleton.joints[j].parent;
+    const Placement inherited = parent < 0 ? Placement::Identity() : moved[static_cast<size_t>(parent)];
+    moved.push_back(motions[j].value_or(inherited));
+    joints.push_back(moved[j] * rest_[j]);
+  }
+  return momentOf(std::move(joints),
+                  weights.empty() ? rest_weights_ : std::vector<float>(weights.begin(), weights.end()), head);
+}
+
+SkinnedBody::Moment SkinnedBody::momentOf(std::vector<Placement> joints, std::vector<float> weights,
+                                          const Pose& head) const {
   const Pose carried = rigid(joints[joint_]) * rigid(rest_[joint_]).inverse();
   const Placement turn = placementOf(carried * head * carried.inverse());
   for (size_t j = 0; j < joints.size(); ++j)
     if (below_[j]) joints[j] = turn * joints[j];
-  std::vector<float> weights = weightsAt(seconds);
   std::vector<Placement> bindings = skin_.bindingsAt(joints, weights);
   return {carried, std::move(joints), std::move(weights), std::move(bindings)};
 }
@@ -288,22 +304,26 @@ std::vector<SkinnedBody::AttachedBody> SkinnedBody::placedBodies(const Moment& m
   return out;
 }
 
-void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation) {
-  if (body == nullptr) return simulation.setHeadPose(head);
-  const SkinnedBody::Moment moment = body->at(seconds, head);
+void place(const SkinnedBody& body, const SkinnedBody::Moment& moment, const Pose& head,
+           Simulation& simulation) {
   Pose carried = moment.carried * head;
   carried.rotation.normalize();
   simulation.setHeadPose(carried);
-  const std::vector<Pose> roots = body->placedRoots(moment);
+  const std::vector<Pose> roots = body.placedRoots(moment);
   for (size_t bone = 0; bone < roots.size(); ++bone) simulation.setBonePose(bone + 1, roots[bone]);
-  BodyId id = body->first_body;
-  for (const SkinnedBody::PlacedPart& part : body->placedParts(moment)) {
+  BodyId id = body.first_body;
+  for (const SkinnedBody::PlacedPart& part : body.placedParts(moment)) {
     simulation.setBodyPose(id, part.pose);
     if (simulation.body(id).bends) simulation.setBodyBend(id, part.bend);
     ++id;
   }
-  for (const SkinnedBody::AttachedBody& attached : body->placedBodies(moment))
+  for (const SkinnedBody::AttachedBody& attached : body.placedBodies(moment))
     if (simulation.hasBody(attached.body)) simulation.setBodyPose(attached.body, attached.pose);
+}
+
+void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation) {
+  if (body == nullptr) return simulation.setHeadPose(head);
+  place(*body, body->at(seconds, head), head, simulation);
 }
 
 }  // namespace strandcast

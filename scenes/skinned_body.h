@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,14 +49,22 @@ class SkinnedBody {
 
   /// Pose of the joint in the clip, relative to rest.
   Pose carried(double seconds) const;
-  /// State of the skeleton at a time of the clip, with the head's motion at `head`.
+  /// State of the skeleton at a time of the clip or in a palette, with the head's motion at `head`.
   struct Moment {
-    Pose carried;                     ///< see carried()
+    Pose carried;                     ///< pose of the joint relative to rest, without the head's motion
     std::vector<Placement> joints;    ///< world transforms, m
     std::vector<float> weights;       ///< per target of SkinnedMesh::targets
     std::vector<Placement> bindings;  ///< result of SkinnedMesh::bindingsAt
   };
   Moment at(double seconds, const Pose& head) const;
+  /// As at(), with a palette in place of the clip: nothing is looped or blended. `motions`: per joint of the
+  /// skeleton its motion from rest, x_world = motion * x_rest, m, in the axes of skin().mesh. A joint without
+  /// one moves rigidly with its nearest ancestor that has one; without such an ancestor it stays at rest.
+  /// `weights`: per target of SkinnedMesh::targets; empty: as at rest. All numbers must be finite, and the
+  /// linear parts of motions invertible. Roots over a joint that the clip does not scale move rigidly
+  /// with it.
+  Moment fromPalette(std::span<const std::optional<Placement>> motions, std::span<const float> weights,
+                     const Pose& head) const;
   /// Pose of a part relative to rest, and its bend there.
   struct PlacedPart {
     Pose pose;
@@ -100,6 +109,8 @@ class SkinnedBody {
   ClipTime clipTime(double seconds) const;
   std::vector<JointTransform> played(double seconds) const;
   std::vector<float> weightsAt(double seconds) const;
+  /// `joints`, `weights`: as in Moment, without the head's motion.
+  Moment momentOf(std::vector<Placement> joints, std::vector<float> weights, const Pose& head) const;
   void choose(const SkinnedMotion& motion);
   void noteTravel();
   std::vector<bool> rigidJoints() const;
@@ -119,9 +130,12 @@ class SkinnedBody {
   std::vector<std::string> notes_;
 };
 
-/// Sets the poses of head, roots and body parts in the simulation for `seconds`, with the head's motion at
-/// `head`. `body` may be null: `head` is then the pose of the head. Attached bodies that no longer exist in
-/// the simulation are skipped.
+/// Sets the poses of head, roots and body parts in the simulation for `moment`, which was made with the
+/// head's motion at `head`. Attached bodies that no longer exist in the simulation are skipped. Throws Error,
+/// as the setters of Simulation do, if a pose is out of range; those before it are then set.
+void place(const SkinnedBody& body, const SkinnedBody::Moment& moment, const Pose& head,
+           Simulation& simulation);
+/// place() for the body at `seconds` of its clip. `body` may be null: `head` is then the pose of the head.
 void moveTo(const SkinnedBody* body, double seconds, const Pose& head, Simulation& simulation);
 
 }  // namespace strandcast

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 
 #include "collision/mesh_query.h"
 #include "io/file_bytes.h"
@@ -179,6 +180,72 @@ TEST(SkinnedBody, ClipsThatPlayNoMorphTargetLeaveThemAtRest) {
   EXPECT_EQ(body.surface(1, {}), plain.surface(1, {}));
 }
 
+using Palette = std::vector<std::optional<Placement>>;
+
+Placement placementOf(const Pose& pose) {
+  Placement out = Placement::Identity();
+  out.translate(pose.position.cast<double>());
+  out.rotate(pose.rotation.cast<double>());
+  return out;
+}
+
+/// Motions from rest of all joints at a time of the clip, rounded to seven floats a joint as on the wire.
+Palette paletteOf(const SkinnedBody& body, double seconds) {
+  const Skeleton& skeleton = body.skin().skeleton;
+  const std::vector<Placement> rest = skeleton.worldTransforms(skeleton.rest()),
+                               joints = body.at(seconds, {}).joints;
+  Palette palette;
+  for (size_t j = 0; j < joints.size(); ++j) {
+    const Placement motion = joints[j] * rest[j].inverse();
+    palette.emplace_back(
+        placementOf({Vec3(motion.translation().cast<float>()), nearestRotation(motion.linear())}));
+  }
+  return palette;
+}
+
+TEST(SkinnedBody, JointsWithoutAMotionFollowTheirNearestAncestorThatHasOne) {
+  samples::ArmOptions options;
+  options.joints = {"hips", "spine", "neck", "head", "hat"};
+  const SkinnedBody body = arm({}, options);
+  const Skeleton& skeleton = body.skin().skeleton;
+  const std::vector<Placement> rest = skeleton.worldTransforms(skeleton.rest());
+  const auto index = [&](const char* name) { return static_cast<size_t>(skeleton.find(name)); };
+  const Placement spine = placementOf({Vec3(0.1f, 0, 0.3f), Quat(Eigen::AngleAxisf(0.5f, Vec3::UnitX()))}),
+                  head = placementOf({Vec3(0, 0.2f, 0), Quat(Eigen::AngleAxisf(-0.7f, Vec3::UnitY()))});
+  Palette palette(skeleton.joints.size());
+  palette[index("spine")] = spine;
+  palette[index("head")] = head;
+  const SkinnedBody::Moment moment = body.fromPalette(palette, {}, {});
+  for (const auto& [joint, motion] : {std::pair{"hips", Placement(Placement::Identity())},
+                                      {"spine", spine},
+                                      {"neck", spine},
+                                      {"head", head},
+                                      {"hat", head}}) {
+    const size_t j = index(joint);
+    EXPECT_LT((moment.joints[j].matrix() - (motion * rest[j]).matrix()).norm(), 1e-6) << joint;
+  }
+  EXPECT_LT((placementOf(moment.carried).matrix() - head.matrix()).norm(), 1e-6);
+  const SkinnedBody::Moment still = body.fromPalette(Palette(palette.size()), {}, {});
+  EXPECT_LT(worstBetween(body.skin().blended(still.joints), body.skin().mesh.positions), 1e-6);
+}
+
+TEST(SkinnedBody, APaletteGivesTheSkinOfTheClip) {
+  const samples::ArmOptions options = swellingArm();
+  const Pose head = proceduralMotion("nod", Vec3(0, 0.25f, 0))(0.3);
+  for (const char* clip : {"bend", "swell"}) {
+    const SkinnedBody body = arm({clip, "lower"}, options);
+    for (const double t : {0.3, 0.9, 1.4}) {
+      const SkinnedBody::Moment by_clip = body.at(t, head),
+                                moment = body.fromPalette(paletteOf(body, t), by_clip.weights, head);
+      EXPECT_LT(worstBetween(body.skin().blended(moment.joints, moment.weights), body.surface(t, head)),
+                1e-6);
+      const Pose difference = moment.carried * by_clip.carried.inverse();
+      EXPECT_LT(difference.position.norm(), 1e-6f);
+      EXPECT_LT(difference.rotation.angularDistance(Quat::Identity()), 1e-6f);
+    }
+  }
+}
+
 TEST(SkinnedBody, WhatItDoesNotHaveIsRefused) {
   expectError([] { arm({"walk", "lower"}); }, {"no clip 'walk'", "arm.glb", "bend"});
   expectError(
@@ -247,6 +314,66 @@ TEST(SkinnedScene, HairOnACoarseBendingArmStaysOnItsSkin) {
   options.spacing = 0.1f;
   options.sectors = 8;
   EXPECT_LT(deepestUnderTheSkin(options, 60), 1e-3f + 1e-3f);
+}
+
+TEST(SkinnedScene, AClipSentAsAPaletteGivesTheHairOfTheClip) {
+  const ScratchFolder folder;
+  SceneOptions options = bendingArm(folder, UpAxis::kX);
+  options.motion = "nod";
+  options.primitives.emplace_back();
+  options.primitives[0].shape.a = Vec3(-0.4f, 0.1f, 0);
+  options.primitives[0].shape.radius = 0.03f;
+  options.primitives[0].joint = "lower";
+  writeStrands(folder / "hair.obj", fur(48, 0.1f, 0.45f, 0.04f, 0.12f));
+  const Scene scene = makeScene(options);
+  const SkinnedBody& body = *scene.skinned;
+  ASSERT_GT(body.roots()->bones(), 1u);
+  Simulation by_clip = simulated(scene, makeReferenceBackend()),
+             by_palette = simulated(scene, makeReferenceBackend());
+  double farthest = 0;
+  for (int step = 0; step < 120; ++step) {
+    const double end = by_clip.time() + static_cast<double>(by_clip.parameters().time_step);
+    const Pose head = scene.motion(end);
+    stepWith(scene, by_clip);
+    place(body, body.fromPalette(paletteOf(body, end), {}, head), head, by_palette);
+    by_palette.step();
+    for (const BodyId id : by_clip.bodyIds()) {
+      const Pose difference = by_palette.bodyPose(id) * by_clip.bodyPose(id).inverse();
+      EXPECT_LT(difference.position.norm(), 1e-6f) << id;
+    }
+    for (size_t v = 0; v < by_clip.guides().size(); ++v)
+      farthest = std::max<double>(farthest, (by_clip.guides()[v] - by_palette.guides()[v]).norm());
+  }
+  std::printf("a clip sent as a palette moves hair by %.2g um at most\n", 1e6 * farthest);
+  EXPECT_LT(farthest, 1e-6);
+}
+
+TEST(SkinnedScene, ACutOfThePaletteMovesHairWithTheSkin) {
+  const ScratchFolder folder;
+  const SceneOptions options = bendingArm(folder, UpAxis::kY);
+  writeStrands(folder / "hair.obj", fur(24, 0.1f, 0.45f, 0.04f, 0.12f));
+  const Scene scene = makeScene(options);
+  const SkinnedBody& body = *scene.skinned;
+  Simulation far = simulated(scene), here = simulated(scene);
+  constexpr int kCut = 30;
+  Pose motion;
+  for (int step = 0; step < 60; ++step) {
+    const double end = here.time() + static_cast<double>(here.parameters().time_step);
+    if (step == kCut)  // gravity keeps its direction
+      motion = {Vec3(3, 1, -2), Quat(Eigen::AngleAxisf(2, Vec3::UnitY()))};
+    Palette palette = paletteOf(body, end);
+    place(body, body.fromPalette(palette, {}, {}), {}, here);
+    for (std::optional<Placement>& joint : palette) joint = placementOf(motion) * *joint;
+    place(body, body.fromPalette(palette, {}, {}), {}, far);
+    for (Simulation* simulation : {&here, &far}) {
+      if (step == kCut) simulation->jumpToPoses();  // here by one step of the bend
+      simulation->step();
+      EXPECT_EQ(simulation->resetDiverged(), 0u);
+    }
+    for (size_t v = 0; v < far.guides().size(); ++v)
+      EXPECT_LT((far.guides()[v] - motion.apply(here.guides()[v])).norm(), 5e-6f) << step;
+    EXPECT_LT(far.measure().max_penetration, 1e-4);
+  }
 }
 
 /// Hips that travel and sway, a bending spine and a turning head, with a period of one second.
