@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "service/colliders.h"
+#include "service/frame_pacer.h"
 #include "transport/commands.h"
 
 namespace strandcast {
@@ -169,9 +170,8 @@ bool Daemon::castFrame(const std::atomic<bool>& stop) {
 DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
   DaemonSummary summary;
   const Clock::time_point start = Clock::now();
-  const auto interval =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / settings_.rate));
-  Clock::time_point due = start, status_due = start;
+  FramePacer pacer(settings_.rate, start);
+  Clock::time_point status_due = start;
   cast_since_ = start;
   while (!stop && !executor_.isShutDown() && !sharing_.isShutDown() && failure_.empty()) {
     if (!castFrame(stop)) break;
@@ -183,17 +183,13 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     }
     if (settings_.duration > 0 && std::chrono::duration<double>(now - start).count() >= settings_.duration)
       break;
-    due += interval;
-    if (Clock::now() > due) {
-      ++summary.late_frames;
-      due = Clock::now();
-    }
-    std::this_thread::sleep_until(due);
+    std::this_thread::sleep_until(pacer.next(Clock::now()));
   }
   executor_.dropSteps("the daemon ends");
   executor_.dropBodies();
   publishStatus();
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  summary.late_frames = pacer.lateFrames();
   summary.status = status();
   summary.failure = failure_;
   return summary;
