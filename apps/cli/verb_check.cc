@@ -68,7 +68,8 @@ std::optional<ShowCost> runChecked(const Settings& settings, CheckReport& report
     const Scene scene = makeSceneWithProgress(settings.scene);
     for (const std::string& warning : scene.warnings) {
       const auto is_it = [&](const CheckResult& row) { return row.what == warning; };
-      if (std::none_of(report.results.begin(), report.results.end(), is_it))
+      const bool is_of_surface = warning.starts_with("the body: ");  // rows body_* have it
+      if (!is_of_surface && std::none_of(report.results.begin(), report.results.end(), is_it))
         report.add({CheckSeverity::kWarning, "scene", warning, 1});
     }
     ProgressBar bar;
