@@ -353,20 +353,18 @@ void SettingsOptions::warnOfUnusedNetwork() const {
 
 void SettingsOptions::nameFiles(const std::vector<std::string>& groom, const std::string& body,
                                 const std::string& clip) {
-  const auto give = [&](const char* option, const std::vector<std::string>& names) {
-    if (names.empty()) return;
-    CLI::Option* const known = app_.get_option(option);
-    if (known->count() > 0)
+  const std::pair<const char*, std::vector<std::string>> named[] = {
+      {"--groom", groom},
+      {"--body", body.empty() ? std::vector<std::string>() : std::vector<std::string>{body}},
+      {"--body-clip", clip.empty() ? std::vector<std::string>() : std::vector<std::string>{clip}}};
+  for (const auto& [option, files] : named)
+    if (!files.empty() && app_.get_option(option)->count() > 0)
       throw Error("files are named by arguments and by an option", option, "leave one of them out");
-    known->add_result(names);
-    known->run_callback();
-  };
-  const auto one = [](const std::string& name) {
-    return name.empty() ? std::vector<std::string>() : std::vector<std::string>{name};
-  };
-  give("--groom", groom);
-  give("--body", one(body));
-  give("--body-clip", one(clip));
+  for (const auto& [option, files] : named) {
+    if (files.empty()) continue;
+    app_.get_option(option)->add_result(files);
+    app_.get_option(option)->run_callback();
+  }
 }
 
 Settings SettingsOptions::resolve() const {
