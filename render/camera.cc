@@ -1,6 +1,7 @@
 #include "render/camera.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace strandcast {
 
@@ -46,6 +47,14 @@ Eigen::Matrix4f perspective(float vertical_fov, float aspect, float near_plane, 
   projection(2, 3) = 2 * far_plane * near_plane / (near_plane - far_plane);
   projection(3, 2) = -1;
   return projection;
+}
+
+std::optional<PicturePoint> projected(const Camera& camera, const Vec3& point, float aspect) {
+  const Eigen::Vector4f eye = viewMatrix(camera) * Eigen::Vector4f(point.x(), point.y(), point.z(), 1);
+  if (!(eye.z() < -1e-4f)) return std::nullopt;
+  const float focal = 1 / std::tan(0.5f * camera.vertical_fov);
+  return PicturePoint{0.5f + 0.5f * focal / aspect * eye.x() / -eye.z(),
+                      0.5f - 0.5f * focal * eye.y() / -eye.z(), aspect};
 }
 
 ViewVolume::ViewVolume(const Eigen::Matrix4f& view_projection) {

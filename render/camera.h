@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "core/geometry.h"
@@ -27,6 +28,15 @@ Eigen::Matrix4f viewMatrix(const Vec3& eye, const Vec3& target, const Vec3& up =
 Eigen::Matrix4f viewMatrix(const Camera& camera);
 /// Eye to clip space, OpenGL depth range -1 to 1.
 Eigen::Matrix4f perspective(float vertical_fov, float aspect, float near_plane, float far_plane);
+
+/// A position in the picture, 0 to 1 from the left and from the top, and the picture's aspect, width over
+/// height.
+struct PicturePoint {
+  float x, y, aspect;
+};
+
+/// Projects a point of the world into the picture; empty behind the camera.
+std::optional<PicturePoint> projected(const Camera& camera, const Vec3& point, float aspect);
 
 /// The view frustum of a camera or light as six planes (Gribb and Hartmann 2001).
 class ViewVolume {

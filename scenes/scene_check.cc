@@ -24,7 +24,7 @@
 namespace strandcast {
 namespace {
 
-constexpr float kUsualBodyLeast = 0.1f, kUsualBodyMost = 3.0f;  // m, of the longest side
+constexpr float kMinUsualBody = 0.1f, kMaxUsualBody = 3.0f;  // m, of the longest side
 constexpr size_t kSurfaceSamples = 2000, kPlacementSamples = 300, kMaxMarks = 20000;
 
 void reportCheck(const Progress& progress, const std::string& what, double part) {
@@ -81,13 +81,13 @@ CheckReport checkBodyMesh(const TriangleMesh& mesh) {
   const Eigen::Vector3f size = mesh.bounds().sizes();
   const float longest = size.maxCoeff();
   out.add(rowOf(isUnlikelySize(longest) ? CheckSeverity::kFault
-                                        : warnIf(longest < kUsualBodyLeast || longest > kUsualBodyMost),
+                                        : warnIf(longest < kMinUsualBody || longest > kMaxUsualBody),
                 "body_size",
                 fmt::format("body of {} triangles: {:.3g} x {:.3g} x {:.3g} m", mesh.triangles.size(),
                             size.x(), size.y(), size.z()),
                 static_cast<double>(longest), "m", "",
                 fmt::format("a body is usually {:g} to {:g} m large: give its unit (--body-unit-meters)",
-                            kUsualBodyLeast, kUsualBodyMost)));
+                            kMinUsualBody, kMaxUsualBody)));
 
   const OrientedSurface oriented = orientSurface(mesh);
   const MeshCheck check = checkMesh(oriented.mesh);
@@ -134,6 +134,12 @@ CheckReport checkBodyMesh(const TriangleMesh& mesh) {
 
 namespace {
 
+Box boxOf(const StrandSet& strands) {
+  Box box;
+  for (const Vec3& p : strands.positions) box.extend(Eigen::Vector3f(p));
+  return box;
+}
+
 /// Sample of roots and tips, m, Y up.
 std::vector<std::pair<Vec3, Vec3>> strandEnds(const StrandSet& strands) {
   std::vector<std::pair<Vec3, Vec3>> ends;
@@ -169,8 +175,7 @@ struct Fit {
 std::optional<Fit> betterFit(const Scene& scene, const MeshQuery& query, double present) {
   constexpr double kClearlyNearer = 0.5, kOnBody = 0.05, kOfGroom = 0.2;
   const std::vector<std::pair<Vec3, Vec3>> ends = strandEnds(scene.groom.strands);
-  Box hair;
-  for (const Vec3& p : scene.groom.strands.positions) hair.extend(Eigen::Vector3f(p));
+  const Box hair = boxOf(scene.groom.strands);
   const auto hair_size = static_cast<double>(hair.diagonal().norm());
   const auto body_size = static_cast<double>(scene.body.bounds().diagonal().norm());
   const GroomReport& report = scene.groom.report;
@@ -204,9 +209,8 @@ const char* axisOption(UpAxis axis) { return axis == UpAxis::kX ? "x" : axis == 
 
 /// The options that make a fit. A body in .obj takes unit and axis of the groom unless it has its own.
 std::string optionsOf(const Fit& fit, const Scene& scene, const SceneOptions& options) {
-  constexpr float kHairLeast = 0.05f, kHairMost = 3.0f;  // m, plausible size of a groom
-  Box hair;
-  for (const Vec3& p : scene.groom.strands.positions) hair.extend(Eigen::Vector3f(p));
+  constexpr float kMinHair = 0.05f, kMaxHair = 3.0f;  // m, plausible size of a groom
+  const Box hair = boxOf(scene.groom.strands);
   const float hair_size = hair.sizes().maxCoeff(), body_size = scene.body.bounds().sizes().maxCoeff();
   const float unit = scene.groom.report.unit_meters;
   const bool has_own = isGltf(options.body) || options.body_units.unit_meters > 0;
@@ -215,8 +219,8 @@ std::string optionsOf(const Fit& fit, const Scene& scene, const SceneOptions& op
                                                              : unit;
   std::vector<std::string> given;
   if (!isSameUnit(fit.factor, 1)) {
-    const bool hair_is_right = hair_size > kHairLeast && hair_size < kHairMost;
-    const bool body_is_right = body_size > kUsualBodyLeast && body_size < kUsualBodyMost;
+    const bool hair_is_right = hair_size > kMinHair && hair_size < kMaxHair;
+    const bool body_is_right = body_size > kMinUsualBody && body_size < kMaxUsualBody;
     if (hair_is_right && !body_is_right) {
       given.push_back(fmt::format("--body-unit-meters {:.4g}", body_unit / fit.factor));
     } else {
@@ -242,8 +246,7 @@ CheckReport checkPlacement(const Scene& scene, const SceneOptions& options, cons
   constexpr double kOfGroom = 0.2;
   CheckReport out;
   const StrandSet& strands = scene.groom.strands;
-  Box hair;
-  for (const Vec3& p : strands.positions) hair.extend(Eigen::Vector3f(p));
+  const Box hair = boxOf(scene.groom.strands);
   const Box body = scene.body.bounds();
   const auto hair_size = static_cast<double>(hair.sizes().maxCoeff());
   const auto body_size = static_cast<double>(body.sizes().maxCoeff());
@@ -336,7 +339,7 @@ CheckReport checkHairInside(const Scene& scene, const MeshQuery& query, const Pr
   CheckReport out;
   const StrandSet& strands = scene.groom.strands;
   const Box box = scene.body.bounds();
-  const size_t every = (strands.strands() + kMostStrandsInside - 1) / kMostStrandsInside;
+  const size_t every = (strands.strands() + kMaxStrandsInside - 1) / kMaxStrandsInside;
   size_t looked = 0, vertices = 0, touched = 0, buried = 0, deepest_strand = 0;
   std::vector<double> inside;
   double deepest = 0;
@@ -546,7 +549,7 @@ CheckReport checkClip(const Scene& scene, const std::string& clip, double rate, 
                 static_cast<double>(roots.size()), "strands", "", ""));
   if (!skinned.hasClip() || roots.empty()) return out;
   const auto whole = static_cast<size_t>(std::ceil(skinned.duration() * rate)) + 1;
-  const size_t frames = std::min(whole, kMostClipFrames);
+  const size_t frames = std::min(whole, kMaxClipFrames);
   RootTracker tracker(scene, roots);
   for (size_t frame = 0; frame < frames; ++frame) {
     reportCheck(progress, "following the skin through the clip",
@@ -575,7 +578,7 @@ CheckReport checkClip(const Scene& scene, const std::string& clip, double rate, 
                 "motion of roots changes by up to {:.1f} mm from one frame to the next, usually {:.2f} mm{}",
                 1e3 * tracker.jump().value, 1e3 * tracker.usualChange(), of),
             1e3 * tracker.jump().value, "mm", at(tracker.jump()),
-            "smooth the clip there, or cut it: hair is thrown by a jump"));
+            "smooth the clip there, or cut it: hair overshoots after a jump"));
   return out;
 }
 

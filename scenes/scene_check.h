@@ -27,11 +27,11 @@ CheckReport checkScene(const CheckedScene& checked, const SceneOptions& options,
 constexpr float kRootNearSkin = 2e-3f, kRootOffSkin = 10e-3f;
 /// m, depth below which a vertex beyond the root does not count as inside: distance fields err by less.
 constexpr float kInsideTolerance = 3e-4f;
-constexpr double kFastRoot = 10;              ///< m/s, speed of a root above which a clip is doubtful
-constexpr double kRootJump = 0.02;            ///< m, change of a root's motion from one frame to the next
-constexpr double kSkinStretch = 1.5;          ///< factor on an edge of the skin under a root
-constexpr size_t kMostClipFrames = 1800;      ///< frames of a clip that are looked at
-constexpr size_t kMostStrandsInside = 20000;  ///< strands looked at for vertices inside, evenly chosen
+constexpr double kFastRoot = 10;             ///< m/s, speed of a root above which a clip is doubtful
+constexpr double kRootJump = 0.02;           ///< m, change of a root's motion from one frame to the next
+constexpr double kSkinStretch = 1.5;         ///< factor on an edge of the skin under a root
+constexpr size_t kMaxClipFrames = 1800;      ///< frames of a clip that are looked at
+constexpr size_t kMaxStrandsInside = 20000;  ///< strands looked at for vertices inside, evenly chosen
 
 /// The body's surface: size, open and non-manifold edges, winding, shells inside each other. `mesh`: as
 /// requireSoundMesh().

@@ -6,7 +6,7 @@
 namespace strandcast {
 namespace {
 
-constexpr int64_t kFar = kNsPerSecond / 2, kLeastLockInterval = kNsPerSecond / 2;
+constexpr int64_t kFar = kNsPerSecond / 2, kMinLockInterval = kNsPerSecond / 2;
 constexpr int kFarArrivals = 8;
 
 }  // namespace
@@ -43,7 +43,7 @@ bool PoseLock::arrive(int64_t sender_ns, bool is_new_epoch, int64_t arrival_ns, 
 bool PoseLock::lockIfDue(int64_t step_end_ns) {
   const bool has_arrival = has_arrival_;
   has_arrival_ = false;
-  if (!has_arrival || !is_due_ || (is_locked_ && arrival_ - locked_at_ < kLeastLockInterval)) return false;
+  if (!has_arrival || !is_due_ || (is_locked_ && arrival_ - locked_at_ < kMinLockInterval)) return false;
   delay_ = step_end_ns - newest_;
   is_locked_ = true;
   is_due_ = false;

@@ -14,12 +14,12 @@ using Eigen::Quaterniond, Eigen::Vector3d;
 
 // Times in ns.
 constexpr int64_t kLongestInterval = 250'000'000;  ///< between samples that are interpolated
-constexpr int64_t kLeastRateTime = 10'000'000;     ///< of a rate: below it the noise of trackers shows
+constexpr int64_t kMinRateTime = 10'000'000;       ///< of a rate: below it the noise of trackers shows
 constexpr int64_t kLinear = 1'000'000;  ///< up to which a sample's motion goes on as if the next were here
 /// Of the carrier from sample to sample, m/s and rad/s: what is faster is a jump. Times below 5 ms count as
 /// 5 ms, because noise alone is as fast at 1 kHz.
 constexpr double kFastest = 30, kFastestTurn = 60;
-constexpr int64_t kLeastCutTime = 5'000'000;
+constexpr int64_t kMinCutTime = 5'000'000;
 /// Of rejoining, s: longest without regard to the offset, longest of all; and speeds that it seldom exceeds.
 constexpr double kUsualRejoin = 0.25, kLongestRejoin = 1, kRejoinSpeed = 2, kRejoinTurn = 6;
 /// Offsets of the carrier beyond which the step is a cut, m and rad.
@@ -116,7 +116,7 @@ Pose PoseTrack::poseOf(const Vector3d& pivot, const Quaterniond& rotation, size_
 bool PoseTrack::isCut(size_t i) const {
   const PoseSample &a = sample(i - 1), &b = sample(i);
   if (a.epoch != b.epoch) return true;
-  const double time = seconds(std::max(b.time_ns - a.time_ns, kLeastCutTime));
+  const double time = seconds(std::max(b.time_ns - a.time_ns, kMinCutTime));
   for (size_t slot = 0; slot < slots_.pivots.size(); ++slot) {
     if (!isJudged(slot)) continue;
     const Vector3d move = pivotOf(b.poses[slot], slot) - pivotOf(a.poses[slot], slot);
@@ -179,7 +179,7 @@ PoseTrack::Reading PoseTrack::read(int64_t time, int64_t tolerance, PoseSample& 
   } else {
     reading.is_held = age > kLinear || age < 0;
     size_t first = reading.base;
-    while (first > 0 && base.time_ns - sample(first).time_ns < kLeastRateTime && isJoined(first)) --first;
+    while (first > 0 && base.time_ns - sample(first).time_ns < kMinRateTime && isJoined(first)) --first;
     const double g = seconds(std::max<int64_t>(age, 0)),
                  rate_time = seconds(base.time_ns - sample(first).time_ns);
     const double moved = g < extrapolate_ ? g - g * g / (2 * extrapolate_) : extrapolate_ / 2;

@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
@@ -94,15 +93,13 @@ void paintMarks(Image& image, const Camera& camera, const std::vector<CheckMark>
                                                         {CheckMark::Kind::kShape, {255, 220, 0}}};
   constexpr int kReach = 2;  // pixels to each side
   const float aspect = static_cast<float>(image.width) / static_cast<float>(image.height);
-  const Eigen::Matrix4f to_clip = perspective(camera.vertical_fov, aspect, 1e-3f, 1e3f) * viewMatrix(camera);
   for (const auto& [kind, colour] : colours)
     for (const CheckMark& mark : marks) {
       if (mark.kind != kind || !mark.position.allFinite()) continue;
-      const Eigen::Vector4f clip =
-          to_clip * Eigen::Vector4f(mark.position.x(), mark.position.y(), mark.position.z(), 1);
-      if (!(clip.w() > 0) || std::max(std::fabs(clip.x()), std::fabs(clip.y())) > clip.w()) continue;
-      const int x = static_cast<int>(0.5f * (1 + clip.x() / clip.w()) * static_cast<float>(image.width));
-      const int y = static_cast<int>(0.5f * (1 - clip.y() / clip.w()) * static_cast<float>(image.height));
+      const std::optional<PicturePoint> at = projected(camera, mark.position, aspect);
+      if (!at || std::min(at->x, at->y) < 0 || std::max(at->x, at->y) > 1) continue;
+      const int x = static_cast<int>(at->x * static_cast<float>(image.width));
+      const int y = static_cast<int>(at->y * static_cast<float>(image.height));
       for (int row = std::max(y - kReach, 0); row <= std::min(y + kReach, image.height - 1); ++row)
         for (int column = std::max(x - kReach, 0); column <= std::min(x + kReach, image.width - 1); ++column)
           std::copy(colour.begin(), colour.end(),

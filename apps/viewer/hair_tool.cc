@@ -14,14 +14,6 @@ constexpr float kFarthestHead = 0.6f;  // m
 
 }  // namespace
 
-std::optional<PicturePoint> projected(const Camera& camera, const Vec3& point, float aspect) {
-  const Eigen::Vector4f eye = viewMatrix(camera) * Eigen::Vector4f(point.x(), point.y(), point.z(), 1);
-  if (!(eye.z() < -1e-4f)) return std::nullopt;
-  const float focal = 1 / std::tan(0.5f * camera.vertical_fov);
-  return PicturePoint{0.5f + 0.5f * focal / aspect * eye.x() / -eye.z(),
-                      0.5f - 0.5f * focal * eye.y() / -eye.z(), aspect};
-}
-
 std::optional<uint32_t> pickedVertex(const Camera& camera, std::span<const Vec3> vertices,
                                      const PicturePoint& mouse, float reach) {
   std::optional<uint32_t> picked;

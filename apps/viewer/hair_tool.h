@@ -18,14 +18,6 @@ struct HandSettings {
   float rate = 120;            ///< 1/s, rate of the pull
 };
 
-/// A position in the picture, 0 to 1 from the left and from the top, and the picture's aspect, width over
-/// height.
-struct PicturePoint {
-  float x, y, aspect;
-};
-
-/// Projects a point of the world into the picture; empty behind the camera.
-std::optional<PicturePoint> projected(const Camera& camera, const Vec3& point, float aspect);
 /// The vertex under the mouse: the nearest to the eye of those within `reach`, in heights of the picture.
 std::optional<uint32_t> pickedVertex(const Camera& camera, std::span<const Vec3> vertices,
                                      const PicturePoint& mouse, float reach);
