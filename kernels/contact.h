@@ -40,7 +40,7 @@ LANE_FN real taperedCapsuleDistance(LANE_IN(real3) p, LANE_IN(real3) a, LANE_IN(
   real3 unit = axis * il;
   real3 d = p - a;
   real y = dot(d, unit);
-  real away = length(madd(unit, -y, d));
+  real away = length(madd(unit, lit(0) - y, d));
   real sine = (radius - radius_b) * il;
   real cosine = sqrt(max(lit(1) - sine * sine, lit(1e-12)));
   along = clamp((y - sine * away / cosine) * il, lit(0), lit(1));
@@ -87,7 +87,8 @@ LANE_FN real ellipsoidDistance(LANE_IN(real3) p, LANE_IN(real3) extent, LANE_OUT
   real3 n = makeReal3(g.x / e.x, g.y / e.y, g.z / e.z);
   n = n * inverseSqrt(dot(n, n));
   real3 surface = makeReal3(g.x * e.x, g.y * e.y, g.z * e.z);
-  normal = makeReal3(select(p.x < lit(0), -n.x, n.x), select(p.y < lit(0), -n.y, n.y), select(p.z < lit(0), -n.z, n.z));
+  normal = makeReal3(select(p.x < lit(0), lit(0) - n.x, n.x), select(p.y < lit(0), lit(0) - n.y, n.y),
+                     select(p.z < lit(0), lit(0) - n.z, n.z));
   return dot(y - surface, n) * least;
 }
 
@@ -149,7 +150,7 @@ LANE_FN real clearanceInReach(LANE_IN(real) clear, LANE_IN(real) root_depth, LAN
 // degrees on.
 LANE_FN real pinch(LANE_IN(real) gap, LANE_IN(real3) normal, LANE_IN(real) other_gap, LANE_IN(real3) other_normal) {
   real facing = clamp(madd(dot(normal, other_normal), lit(-10), lit(-8)), lit(0), lit(1));
-  return max(-(gap + other_gap), lit(0)) * lit(0.5) * facing;
+  return max(lit(0) - (gap + other_gap), lit(0)) * lit(0.5) * facing;
 }
 // Depth to which exact lengths may push hair into a body, m.
 LANE_FN real contactSlack() { return lit(2e-5); }
@@ -165,7 +166,7 @@ LANE_FN real3 withFriction(LANE_IN(real3) x, LANE_IN(real3) carried, LANE_IN(rea
                            LANE_IN(real) friction, LANE_IN(real) weight, LANE_IN(real3) drag, LANE_OUT(real3) total,
                            LANE_OUT(mask) slides) {
   real3 slip = tangentialPart(x - carried, normal);
-  real3 wanted = madd(slip, -inverse(weight), drag);
+  real3 wanted = madd(slip, lit(0) - inverse(weight), drag);
   real amount = length(wanted), most = friction * pressure;
   slides = amount >= most;
   total = wanted * (most / select(slides, max(amount, lit(1e-30)), lit(1)));
@@ -191,7 +192,7 @@ LANE_FN real3 resolveContact(LANE_IN(real3) x, LANE_IN(real3) carried, LANE_IN(r
   real3 drag = tangentialPart(force, normal), total;
   mask slides;
   real3 out_x =
-      withFriction(madd(normal, max(-gap, lit(0)), x), carried, normal, pressure, friction, weight, drag, total, slides);
+      withFriction(madd(normal, max(lit(0) - gap, lit(0)), x), carried, normal, pressure, friction, weight, drag, total, slides);
   real3 sliding = madd(normal, kept, total * (kept / max(pressure, lit(1e-30))));
   force = select(slides, sliding, inFrictionCone(madd(normal, kept, drag), normal, friction));
   return out_x;
@@ -211,7 +212,7 @@ LANE_FN real3 positionOnSurface(LANE_IN(real3) x, LANE_IN(real3) carried, LANE_I
   mask slides;
   real3 place = withFriction(madd(normal, lit(0) - gap, x), carried, normal, max(dot(force, normal) - gap * mass, lit(0)),
                              friction, weight, drag, total, slides);
-  kept_friction = select(slides, total, madd(tangentialPart(moved, normal), -mass * contactFollows(), drag));
+  kept_friction = select(slides, total, madd(tangentialPart(moved, normal), lit(0) - mass * contactFollows(), drag));
   return place;
 }
 // Second, from the reaction of the bending system at the held vertices: a vertex whose contact force would pull is
@@ -235,7 +236,7 @@ LANE_FN real3 heldForce(LANE_IN(real3) force, LANE_IN(real3) reaction, LANE_IN(r
 // (`gap` < 0). A small gap never gives a large rotation.
 LANE_FN real3 rotatedTowardsPlane(LANE_IN(real3) x, LANE_IN(real3) inner, LANE_IN(real3) normal, LANE_IN(real) gap,
                                   LANE_IN(real) edge_length) {
-  return madd(directionOr(madd(normal, -gap, x) - inner, normal), edge_length, inner);
+  return madd(directionOr(madd(normal, lit(0) - gap, x) - inner, normal), edge_length, inner);
 }
 // Gap that rotatedOntoPlane() removes from ends that are still inside after two rotations by rotatedTowardsPlane(). The decision
 // uses the least deep of x, the carried point and the inner end: the whole gap down to a depth of 2 mm, none from 3 mm

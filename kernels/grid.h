@@ -50,7 +50,7 @@ LANE_FN real fixedPoint(LANE_IN(real) value) { return floor(value + lit(0.5)); }
 // Semi-Lagrangian advection (Stam 1999, "Stable Fluids", section 3.2): position one step ago of what is at `at` now.
 // `courant`: time step / cell, s/m.
 LANE_FN real3 tracedBack(LANE_IN(real3) at, LANE_IN(real3) velocity, LANE_IN(real) courant) {
-  return madd(velocity, -courant, at);
+  return madd(velocity, lit(0) - courant, at);
 }
 // MacCormack correction (Selle, Fedkiw, Kim, Liu, Rossignac 2008, "An Unconditionally Stable MacCormack Method").
 // `ahead`: advected once; `was`: before advection; `back`: advected forth and back; low, high: range of the values that
@@ -90,7 +90,7 @@ LANE_FN real draggedTo(LANE_IN(real) velocity, LANE_IN(real) other, LANE_IN(real
 LANE_FN real3 draggedAmong(LANE_IN(real3) velocity, LANE_IN(real3) momentum, LANE_IN(real) exchange, LANE_IN(real3) slip,
                            LANE_IN(real3) slip_across) {
   real per_whole = inverse(lit(1) + exchange);
-  real3 right = (velocity + momentum) * per_whole, across = slip_across * -per_whole;
+  real3 right = (velocity + momentum) * per_whole, across = slip_across * (lit(0) - per_whole);
   real xx = lit(1) - slip.x * per_whole, yy = lit(1) - slip.y * per_whole, zz = lit(1) - slip.z * per_whole;
   real c_xx = yy * zz - across.x * across.x, c_yy = xx * zz - across.y * across.y, c_zz = xx * yy - across.z * across.z;
   real c_yz = across.y * across.z - xx * across.x, c_xz = across.x * across.z - yy * across.y,
