@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "core/hash.h"
 #include "moving_hair.h"
 #include "recording_fuzz.h"
 #include "tests/expect_error.h"
@@ -382,6 +383,45 @@ void expectOldVersionIsRead(uint32_t version) {
 
 TEST(RecordingTest, OnesOfVersion1AreRead) { expectOldVersionIsRead<GuideChunk3>(1); }
 TEST(RecordingTest, OnesOfVersion2AreRead) { expectOldVersionIsRead<GuideChunk5>(2); }
+
+/// Of all that a decoded frame tells of its guides, head and colliders.
+uint64_t contentHash(const GuideFrame& frame) {
+  ContentHash hash;
+  const auto add = [&](const auto& numbers) {
+    hash.add(numbers.data(), static_cast<size_t>(numbers.size()) * sizeof(float));
+  };
+  for (const Vec3& position : frame.positions) add(position);
+  const auto addPose = [&](const Pose& pose) { add(pose.position), add(pose.rotation.coeffs()); };
+  addPose(frame.head);
+  for (const PlacedCollider& collider : frame.colliders) {
+    hash.add(&collider.id, sizeof collider.id);
+    addPose(collider.pose);
+    bendNumbers(collider.bend, [&](const float& number) { hash.add(&number, sizeof number); });
+  }
+  return hash.value();
+}
+
+// data/wire6.rec has recording version 3 and wire version 6. `strandcastd --rate 4 --body-cell 0.004` made it
+// of armGlb() (spacing 0.06, 6 sectors, blend 0.03) with its clip, 20 strands and `ctl wind`.
+TEST(RecordingTest, OneOfWireVersion6IsReadAsItWasRecorded) {
+  constexpr uint64_t kHashes[] = {
+      0x6bc5db05fa7fb8c2, 0xd152111543419dd0, 0x303dbbe272866c7f, 0x409651669e063f3,  0xdc11249962a60efb,
+      0xe203e46c292f8453, 0x74354d121a9ae1b4, 0xd1319208b603d431, 0x3cf9c7fcd6c59f84, 0x9b03fe399a4133ba};
+  Recording recording(std::filesystem::path(STRANDCAST_SOURCE_DIR "/tests/transport/data/wire6.rec"));
+  ASSERT_EQ(recording.frames(), std::size(kHashes));
+  EXPECT_FALSE(recording.isCut());
+  EXPECT_EQ(recording.head().codec, "delta16");
+  RecordedFrame read;
+  for (uint64_t number = 0; number < recording.frames(); ++number) {
+    recording.read(number, read);
+    EXPECT_EQ(contentHash(*read.frame), kHashes[number])
+        << "frame " << number << " 0x" << std::hex << contentHash(*read.frame);
+    EXPECT_EQ(read.groom->guides.vertices(), 120u);
+    EXPECT_EQ(read.body->mesh.triangles.size(), 132u);
+    EXPECT_EQ(read.frame->colliders.size(), 7u);
+    EXPECT_EQ(read.inputs.size(), number == 0 ? 1u : 0u);
+  }
+}
 
 TEST(RecordingTest, AFullDiskIsSaidAndCastingGoesOn) {
   EXPECT_THROW(Recorder("/dev/full", {}), Error);

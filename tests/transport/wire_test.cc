@@ -1,9 +1,11 @@
 #include <fastdds/rtps/common/SerializedPayload.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <random>
 
+#include "golden_messages.h"
 #include "sample_messages.h"
 #include "transport/assembler.h"
 #include "transport/chunks.h"
@@ -59,6 +61,45 @@ void damageBytes(std::vector<Chunk> chunks, Assembler make, int runs) {
     }
   }
   EXPECT_GT(readable, 0u);
+}
+
+/// Expects the golden bytes and instance key of the generated type, and that the bytes are read back.
+template <class PubSubType, class Wire>
+void expectGolden(const std::string& name, const std::string& suffix, Wire wire) {
+  const std::vector<uint8_t> bytes = serialized<PubSubType>(wire);
+  EXPECT_EQ(hexadecimal(bytes), goldenBytes(name, "cdr" + suffix)) << name << suffix;
+  eprosima::fastrtps::rtps::InstanceHandle_t key;
+  ASSERT_TRUE(PubSubType().getKey(&wire, &key, false));
+  std::array<uint8_t, 16> key_bytes;
+  for (size_t i = 0; i < key_bytes.size(); ++i) key_bytes[i] = key.value[i];
+  EXPECT_EQ(hexadecimal(key_bytes), goldenBytes(name, "key" + suffix)) << name << suffix;
+  Wire back;
+  ASSERT_TRUE(deserialize<PubSubType>(bytes, back));
+  EXPECT_EQ(serialized<PubSubType>(back), bytes);
+}
+
+template <class PubSubType, class Wire, class Message>
+void expectGolden(const std::string& name) {
+  Message full = fullMessage<Message>(), empty;
+  Wire full_wire, empty_wire;
+  toWire(full, full_wire);
+  toWire(empty, empty_wire);
+  expectGolden<PubSubType>(name, "", std::move(full_wire));
+  expectGolden<PubSubType>(name, " empty", std::move(empty_wire));
+}
+
+TEST(Wire, BytesAndKeysAreTheGoldenOnes) {
+  expectGolden<GroomChunkType, v6::GroomChunk, GroomChunk>("GroomChunk");
+  expectGolden<BodyChunkType, v6::BodyChunk, BodyChunk>("BodyChunk");
+  expectGolden<ColliderChunkType, v6::ColliderChunk, ColliderChunk>("ColliderChunk");
+  expectGolden<GuideChunkType, v6::GuideChunk, GuideChunk>("GuideChunk");
+  expectGolden<CommandType, v6::Command, Command>("Command");
+  expectGolden<StatusType, v6::Status, Status>("Status");
+  expectGolden<ShowChunkType, v6::ShowChunk, ShowChunk>("ShowChunk");
+  v6::Claim claim;
+  expectGolden<ClaimType>("Claim", " empty", claim);
+  DistinctValues()(claim.session(), claim.groom_id());
+  expectGolden<ClaimType>("Claim", "", claim);
 }
 
 TEST(Wire, ChunksSurviveTheWireFormat) {
