@@ -232,7 +232,7 @@ bool isSoundName(const std::string& name) {
 
 bool isSound(const Command& command) {
   return command.id != 0 && command.kind <= CommandKind::kAddColliderFile && isSoundName(command.name) &&
-         command.values.size() <= 64 &&
+         command.values.size() <= kMaxCommandValues &&
          std::all_of(command.values.begin(), command.values.end(), [](double v) { return std::isfinite(v); });
 }
 

@@ -32,6 +32,7 @@ inline constexpr size_t kMaxChunkBytes = 60000;   ///< of arrays in one chunk
 inline constexpr uint32_t kMaxChunks = 4096;      ///< of one message
 inline constexpr size_t kMaxWireVertices = 3500;  ///< per strand: a strand is never divided between chunks
 inline constexpr size_t kMaxTextBytes = 255;      ///< of every name on the wire
+inline constexpr size_t kMaxCommandValues = 64;   ///< numbers of one command
 
 /// Size of the arrays of one chunk.
 template <class... T>
@@ -156,7 +157,8 @@ void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, u
 
 /// At most kMaxTextBytes bytes, without control characters.
 bool isSoundName(const std::string& name);
-/// Whether a command fits the wire: known kind, id not 0, at most 64 values, all finite, isSoundName().
+/// Whether a command fits the wire: known kind, id not 0, at most kMaxCommandValues, all finite,
+/// isSoundName().
 bool isSound(const Command& command);
 /// Throws Error when `command` is not sound or is for another groom than `groom_id` (0 stands for it).
 void checkCommand(const Command& command, uint32_t groom_id);

@@ -5,7 +5,7 @@
 namespace strandcast {
 namespace {
 
-const char* const kReason = "built without LCM (liblcm-dev, liblcm-bin or libglib2.0-dev was missing)";
+const char* const kReason = "built without LCM (liblcm-dev or libglib2.0-dev was missing)";
 
 [[noreturn]] void refuse() {
   throw Error("LCM is not available", kReason, "install the packages and build again");

@@ -7,9 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "transport/chunks.h"
-#include "transport/lcm/lcm_messages.h"
-#include "transport/show.h"
+#include "transport/wire_fields.h"
 
 namespace strandcast {
 

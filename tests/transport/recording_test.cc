@@ -20,6 +20,7 @@
 #include "transport/in_process.h"
 #include "transport/message_bytes.h"
 #include "transport/recording/recorder.h"
+#include "transport/wire_fields.h"
 
 namespace strandcast {
 namespace {
@@ -363,9 +364,9 @@ void expectOldVersionIsRead(uint32_t version) {
       if (record.kind == RecordKind::kGuides) {
         GuideChunk chunk;
         MessageReader message(record.bytes);
-        messageFields(message, chunk, std::type_identity<GuideChunk>());
+        fields(message, chunk, std::type_identity<GuideChunk>());
         MessageWriter old(bytes);
-        messageFields(old, chunk, std::type_identity<OldChunk>());
+        fields(old, chunk, std::type_identity<OldChunk>());
       }
       writer.write(record.kind, bytes);
     }

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "transport/message_bytes.h"
+#include "transport/wire_fields.h"
 
 namespace strandcast {
 namespace {
@@ -68,7 +69,7 @@ uint64_t Recorder::writeRecord(RecordKind kind, const Record& record) {
 template <class Message>
 uint64_t Recorder::writeMessage(RecordKind kind, const Message& message) {
   MessageWriter writer(bytes_);
-  messageFields(writer, message, std::type_identity<Message>());
+  fields(writer, message, std::type_identity<Message>());
   return file_->write(kind, bytes_);
 }
 

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "transport/commands.h"
 #include "transport/message_bytes.h"
+#include "transport/wire_fields.h"
 
 namespace strandcast {
 namespace {
@@ -20,7 +21,7 @@ bool parseRecord(std::span<const uint8_t> bytes, T& record) {
 template <class T>
 bool parseMessage(std::span<const uint8_t> bytes, T& message) {
   MessageReader reader(bytes);
-  messageFields(reader, message, std::type_identity<T>());
+  fields(reader, message, std::type_identity<T>());
   return reader.atEnd();
 }
 

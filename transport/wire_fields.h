@@ -1,0 +1,220 @@
+// The fields of every message of the wire: names, keys and bounds, once.
+#pragma once
+#include <cstdint>
+#include <type_traits>
+
+#include "transport/chunks.h"
+#include "transport/parameter_table.h"
+#include "transport/show.h"
+
+namespace strandcast {
+
+/// reader_t of strandcast.lcm: a reader announces itself.
+struct ReaderHeartbeat {
+  uint64_t reader = 0;
+  uint32_t groom_id = 0;
+  bool wants_groom = false;
+};
+
+/// fields(visitor, message, std::type_identity<Message>()) passes each field to a visitor, in the order of
+/// idl/strandcast.idl and lcm/strandcast.lcm, which a test compares with these lists. MessageWriter and
+/// MessageReader (message_bytes.h) and LcmFingerprint (lcm/lcm_messages.h) are visitors. Members of a
+/// visitor:
+///
+///   key(name, number)            a number, and a key of the DDS topic
+///   number(name, number)
+///   flag(name, bool)             32 bits, 0 or 1; only in LCM
+///   text(name, string, limit)    bytes; a longer text is cut, written or read
+///   items(name, std::array)
+///   array(name, vector, limit)   items; a reader refuses more before it allocates them, a writer is never
+///                                given more
+///
+/// 8-byte fields come first: strandcast.idl says why.
+
+namespace wire_limits {
+inline constexpr size_t kOctets = kMaxChunkBytes, kShorts = kMaxChunkBytes / 2, kWords = kMaxChunkBytes / 4;
+}
+
+template <class Visitor>
+void chunkFields(Visitor& v, auto& m) {
+  v.key("chunk_index", m.chunk_index);
+  v.number("chunk_count", m.chunk_count);
+  v.number("revision", m.revision);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<GroomChunk>) {
+  using namespace wire_limits;
+  v.number("session", m.session);
+  v.key("groom_id", m.groom_id);
+  chunkFields(v, m);
+  v.number("total_strands", m.total_strands);
+  v.number("total_vertices", m.total_vertices);
+  v.number("first_strand", m.first_strand);
+  v.number("first_vertex", m.first_vertex);
+  v.number("hair_radius", m.hair_radius);
+  v.number("arrays", m.arrays);
+  v.text("name", m.name, kMaxTextBytes);
+  v.array("vertex_counts", m.vertex_counts, kWords);
+  v.array("positions", m.positions, kWords);
+  v.array("pinned", m.pinned, kOctets);
+  v.array("radii", m.radii, kWords);
+  v.array("uvs", m.uvs, kWords);
+  v.array("parts", m.parts, kShorts);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<BodyChunk>) {
+  using namespace wire_limits;
+  v.number("session", m.session);
+  v.key("groom_id", m.groom_id);
+  chunkFields(v, m);
+  v.number("total_positions", m.total_positions);
+  v.number("total_triangles", m.total_triangles);
+  v.number("first_position", m.first_position);
+  v.number("first_triangle", m.first_triangle);
+  v.number("arrays", m.arrays);
+  v.text("name", m.name, kMaxTextBytes);
+  v.array("positions", m.positions, kWords);
+  v.array("normals", m.normals, kWords);
+  v.array("head_weights", m.head_weights, kWords);
+  v.array("triangles", m.triangles, kWords);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<ColliderChunk>) {
+  using namespace wire_limits;
+  v.number("session", m.session);
+  v.key("groom_id", m.groom_id);
+  chunkFields(v, m);
+  v.number("total_shapes", m.total_shapes);
+  v.number("total_words", m.total_words);
+  v.number("first_shape", m.first_shape);
+  v.number("first_word", m.first_word);
+  v.array("colliders", m.colliders, kWords);
+  v.array("word_counts", m.word_counts, kWords);
+  v.array("numbers", m.numbers, kWords);
+  v.array("kinds", m.kinds, kWords);
+  v.array("follows_head", m.follows_head, kWords);
+  v.array("words", m.words, kWords);
+}
+
+template <class Visitor>
+void guideFields(Visitor& v, auto& m) {
+  v.number("session", m.session);
+  v.number("frame", m.frame);
+  v.number("publish_time", m.publish_time);
+  v.number("key_frame", m.key_frame);
+  v.number("simulation_time", m.simulation_time);
+  v.key("groom_id", m.groom_id);
+  chunkFields(v, m);
+  v.number("first_strand", m.first_strand);
+  v.number("strand_count", m.strand_count);
+  v.number("first_vertex", m.first_vertex);
+  v.number("vertex_count", m.vertex_count);
+  v.items("head_position", m.head_position);
+  v.items("head_rotation", m.head_rotation);
+  v.number("encoding", m.encoding);
+}
+
+template <class Visitor>
+void poseFields(Visitor& v, auto& m) {
+  v.array("colliders", m.colliders, kMaxPlacedColliders);
+  v.array("collider_poses", m.collider_poses, 7 * kMaxPlacedColliders);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<GuideChunk>) {
+  guideFields(v, m);
+  poseFields(v, m);
+  v.array("bent_colliders", m.bent_colliders, kMaxPlacedColliders);
+  v.array("collider_bends", m.collider_bends, kBendNumbers * kMaxPlacedColliders);
+  v.array("payload", m.payload, wire_limits::kOctets);
+}
+
+/// Guide chunks of wire versions 3 and 5, which recordings of versions 1 and 2 contain.
+struct GuideChunk3 : GuideChunk {};
+struct GuideChunk5 : GuideChunk {};
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<GuideChunk5>) {
+  guideFields(v, m);
+  poseFields(v, m);
+  v.array("payload", m.payload, wire_limits::kOctets);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<GuideChunk3>) {
+  guideFields(v, m);
+  v.array("payload", m.payload, wire_limits::kOctets);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<Command>) {
+  v.number("id", m.id);
+  v.key("groom_id", m.groom_id);
+  v.number("kind", m.kind);
+  v.text("name", m.name, kMaxTextBytes);
+  v.array("values", m.values, kMaxCommandValues);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<ReaderHeartbeat>) {
+  v.number("reader", m.reader);
+  v.number("groom_id", m.groom_id);
+  v.flag("wants_groom", m.wants_groom);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<Status>) {
+  v.key("session", m.session);
+  v.number("strands", m.strands);
+  v.number("vertices", m.vertices);
+  v.number("frames", m.frames);
+  v.number("non_finite", m.non_finite);
+  v.number("strands_reset", m.strands_reset);
+  v.number("last_command", m.last_command);
+  v.number("frame_bytes", m.encoding.frame_bytes);
+  v.number("strands_sent_finer", m.encoding.strands_sent_finer);
+  v.number("simulation_time", m.simulation_time);
+  v.number("step_ms_median", m.step_ms_median);
+  v.number("step_ms_p95", m.step_ms_p95);
+  v.number("mean_stretch", m.mean_stretch);
+  v.number("max_stretch", m.max_stretch);
+  v.number("max_penetration", m.max_penetration);
+  v.number("codec_max_error", m.encoding.max_error);
+  v.number("codec_worst_error", m.encoding.worst_error);
+  v.key("groom_id", m.groom_id);
+  v.number("readers", m.readers);
+  v.text("groom_name", m.groom_name, kMaxTextBytes);
+  v.text("backend", m.backend, kMaxTextBytes);
+  v.text("device", m.device, kMaxTextBytes);
+  v.text("codec", m.encoding.codec, kMaxTextBytes);
+  v.text("last_command_error", m.last_command_error, kMaxTextBytes);
+  v.text("parameter_names", m.parameters.names, kMaxTableNameBytes);
+  v.array("parameter_components", m.parameters.components, kMaxTableEntries);
+  v.array("parameter_values", m.parameters.values, kMaxTableValues);
+}
+
+/// Written by each daemon that claims a shared groom: its session.
+struct Claim {
+  uint64_t session = 0;
+  uint32_t groom_id = 0;
+};
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<Claim>) {
+  v.number("session", m.session);
+  v.key("groom_id", m.groom_id);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<ShowChunk>) {
+  v.number("session", m.session);
+  v.key("groom_id", m.groom_id);
+  v.key("part", m.part);
+  chunkFields(v, m);
+  v.array("payload", m.payload, wire_limits::kOctets);
+}
+
+}  // namespace strandcast
