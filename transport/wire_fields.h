@@ -16,6 +16,35 @@ struct ReaderHeartbeat {
   bool wants_groom = false;
 };
 
+/// Written by each daemon that claims a shared groom: its session.
+struct Claim {
+  uint64_t session = 0;
+  uint32_t groom_id = 0;
+};
+
+/// Of the schemas, strandcast.idl and strandcast.lcm.
+inline constexpr int kWireVersion = 6;
+
+/// The message's struct in strandcast.idl.
+template <class Message>
+inline constexpr const char* kWireName = nullptr;
+template <>
+inline constexpr const char* kWireName<GroomChunk> = "GroomChunk";
+template <>
+inline constexpr const char* kWireName<BodyChunk> = "BodyChunk";
+template <>
+inline constexpr const char* kWireName<ColliderChunk> = "ColliderChunk";
+template <>
+inline constexpr const char* kWireName<GuideChunk> = "GuideChunk";
+template <>
+inline constexpr const char* kWireName<Command> = "Command";
+template <>
+inline constexpr const char* kWireName<Status> = "Status";
+template <>
+inline constexpr const char* kWireName<Claim> = "Claim";
+template <>
+inline constexpr const char* kWireName<ShowChunk> = "ShowChunk";
+
 /// fields(visitor, message, std::type_identity<Message>()) passes each field to a visitor, in the order of
 /// idl/strandcast.idl and lcm/strandcast.lcm, which a test compares with these lists. MessageWriter and
 /// MessageReader (message_bytes.h) and LcmFingerprint (lcm/lcm_messages.h) are visitors. Members of a
@@ -195,12 +224,6 @@ void fields(Visitor& v, auto& m, std::type_identity<Status>) {
   v.array("parameter_components", m.parameters.components, kMaxTableEntries);
   v.array("parameter_values", m.parameters.values, kMaxTableValues);
 }
-
-/// Written by each daemon that claims a shared groom: its session.
-struct Claim {
-  uint64_t session = 0;
-  uint32_t groom_id = 0;
-};
 
 template <class Visitor>
 void fields(Visitor& v, auto& m, std::type_identity<Claim>) {

@@ -71,6 +71,7 @@ inline void setDistinct(Command& m) {
   m.kind = CommandKind::kAddColliderFile;
 }
 inline void setDistinct(ReaderHeartbeat& m) { DistinctValues()(m.reader, m.groom_id, m.wants_groom); }
+inline void setDistinct(Claim& m) { DistinctValues()(m.session, m.groom_id); }
 inline void setDistinct(ShowChunk& m) {
   DistinctValues()(m.session, m.groom_id, m.part, m.chunk_index, m.chunk_count, m.revision, m.payload);
 }

@@ -1,64 +1,108 @@
 #include "message_fuzz.h"
 
+#include <algorithm>
 #include <cstdlib>
+#include <iterator>
+#include <utility>
 
 #include "moving_hair.h"
 #include "transport/assembler.h"
-#include "transport/chunks.h"
+#include "transport/cdr.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/parameter_table.h"
 #include "transport/show.h"
 
 namespace strandcast {
 
-size_t fuzzMessages(const uint8_t* data, size_t size) {
-  const std::span<const uint8_t> bytes(data, size);
+namespace {
+
+// Feed a decoded message to what receives it.
+
+void use(GroomChunk& chunk) { GroomAssembler(1).add(std::move(chunk)); }
+void use(BodyChunk& chunk) { BodyAssembler(1).add(std::move(chunk)); }
+void use(ColliderChunk& chunk) { ColliderAssembler(1).add(std::move(chunk)); }
+void use(GuideChunk& chunk) {
   static const auto kGroom =
       std::make_shared<const GroomDescription>(hairGroom(40, [](size_t s) { return 1 + s % 20; }));
-  size_t read = 0;
-  GroomChunk groom;
-  if (fromBytes(bytes, groom)) ++read, GroomAssembler(1).add(std::move(groom));
-  BodyChunk body;
-  if (fromBytes(bytes, body)) ++read, BodyAssembler(1).add(std::move(body));
-  ColliderChunk colliders;
-  if (fromBytes(bytes, colliders)) ++read, ColliderAssembler(1).add(std::move(colliders));
-  GuideChunk guides;
-  if (fromBytes(bytes, guides)) {
-    ++read;
-    GuideAssembler assembler(true);
-    assembler.setGroom(kGroom);
-    if (const auto frame = assembler.add(guides)) {
-      for (const Vec3& position : frame->positions) {
-        if (!position.allFinite()) std::abort();
-      }
+  GuideAssembler assembler(true);
+  assembler.setGroom(kGroom);
+  if (const auto frame = assembler.add(chunk)) {
+    for (const Vec3& position : frame->positions) {
+      if (!position.allFinite()) std::abort();
     }
   }
-  Command command;
-  if (fromBytes(bytes, command)) ++read, isSound(command);
-  ReaderHeartbeat sign;
-  if (fromBytes(bytes, sign)) ++read;
-  Status status;
-  if (fromBytes(bytes, status)) {
-    ++read;
-    if (isSound(status.parameters) &&
-        namedValues(status.parameters).size() != status.parameters.components.size())
-      std::abort();
-  }
-  if (const auto show = showOf(bytes)) {
-    ++read;
-    for (const Vec3& position : show->hair.positions)
-      if (!position.allFinite()) std::abort();
-  }
+}
+void use(Command& command) { isSound(command); }
+void use(ReaderHeartbeat&) {}
+void use(Status& status) {
+  if (isSound(status.parameters) &&
+      namedValues(status.parameters).size() != status.parameters.components.size())
+    std::abort();
+}
+void use(Claim&) {}
+void use(const Show& show) {
+  for (const Vec3& position : show.hair.positions)
+    if (!position.allFinite()) std::abort();
+}
+void use(ShowChunk& chunk) {
+  if (const auto show = ShowAssembler(1, ShowChunk::kState).add(std::move(chunk))) use(*show);
+}
+
+template <class Message>
+size_t useLcm(std::span<const uint8_t> bytes) {
+  Message message;
+  if (!fromBytes(bytes, message)) return 0;
+  use(message);
+  return 1;
+}
+
+template <class Message>
+size_t useCdr(std::span<const uint8_t> bytes) {
+  Message message;
+  if (!readCdr(bytes, message)) return 0;
+  cdrKey(message);
+  use(message);
+  return 1;
+}
+
+/// Types of fuzzCdr(), by its first byte, with the names of their seeds.
+struct CdrType {
+  std::string of;
+  size_t (*use)(std::span<const uint8_t> bytes);
+};
+const CdrType kCdrTypes[] = {
+    {"groom", useCdr<GroomChunk>},  {"body", useCdr<BodyChunk>},  {"colliders", useCdr<ColliderChunk>},
+    {"guides", useCdr<GuideChunk>}, {"command", useCdr<Command>}, {"status", useCdr<Status>},
+    {"claim", useCdr<Claim>},       {"show", useCdr<ShowChunk>}};
+
+Show fuzzedShow() {
+  Show show;
+  show.entries = {{ShowKind::kParameter, "wind", {7, 0, 1}}, {ShowKind::kAnswered, "5 refused", {}}};
+  return show;
+}
+
+}  // namespace
+
+size_t fuzzMessages(const uint8_t* data, size_t size) {
+  const std::span<const uint8_t> bytes(data, size);
+  size_t read = useLcm<GroomChunk>(bytes) + useLcm<BodyChunk>(bytes) + useLcm<ColliderChunk>(bytes) +
+                useLcm<GuideChunk>(bytes) + useLcm<Command>(bytes) + useLcm<ReaderHeartbeat>(bytes) +
+                useLcm<Status>(bytes);
+  if (const auto show = showOf(bytes)) ++read, use(*show);
   return read;
 }
 
-std::vector<FuzzSeeds> messageSeeds() {
+size_t fuzzCdr(const uint8_t* data, size_t size) {
+  if (size == 0) return 0;
+  return kCdrTypes[data[0] % std::size(kCdrTypes)].use({data + 1, size - 1});
+}
+
+namespace {
+
+/// Calls add(name, message) with valid messages; those of one name in a row.
+template <class Add>
+void addSamples(const Add& add) {
   const GroomDescription groom = hairGroom(40, [](size_t s) { return 1 + s % 20; });
-  std::vector<FuzzSeeds> seeds;
-  const auto add = [&](const char* of, const auto& message) {
-    if (seeds.empty() || seeds.back().of != of) seeds.push_back({of, {}});
-    toBytes(message, seeds.back().inputs.emplace_back());
-  };
   add("groom", splitGroom(groom)[0]);
   add("groom", splitGroom(sampleGroom(6, [](size_t s) { return 1 + s; }))[0]);  // every array
   add("body", splitBody(sampleBody(10))[0]);
@@ -86,12 +130,40 @@ std::vector<FuzzSeeds> messageSeeds() {
   telling.groom_name = "bob";
   telling.parameters = parameterTable(Parameters());
   add("status", telling);
-  add("reader", ReaderHeartbeat{1, 1, true});
-  Show show;
-  show.entries = {{ShowKind::kParameter, "wind", {7, 0, 1}}, {ShowKind::kAnswered, "5 refused", {}}};
-  seeds.push_back({"show", {showBytes(show)}});
+}
+
+/// The list of seeds that the input of `of` is added to.
+std::vector<uint8_t>& nextInput(std::vector<FuzzSeeds>& seeds, const std::string& of) {
+  if (seeds.empty() || seeds.back().of != of) seeds.push_back({of, {}});
+  return seeds.back().inputs.emplace_back();
+}
+
+}  // namespace
+
+std::vector<FuzzSeeds> messageSeeds() {
+  std::vector<FuzzSeeds> seeds;
+  addSamples([&](const char* of, const auto& message) { toBytes(message, nextInput(seeds, of)); });
+  toBytes(ReaderHeartbeat{1, 1, true}, nextInput(seeds, "reader"));
+  Show show = fuzzedShow();
+  nextInput(seeds, "show") = showBytes(show);
   show.hair.positions = show.hair.velocities = {{1, 2, 3}, {4, 5, 6}};
-  seeds.back().inputs.push_back(showBytes(show));
+  nextInput(seeds, "show") = showBytes(show);
+  return seeds;
+}
+
+std::vector<FuzzSeeds> cdrSeeds() {
+  std::vector<FuzzSeeds> seeds;
+  const auto add = [&](const std::string& of, const auto& message) {
+    std::vector<uint8_t>& input = nextInput(seeds, of);
+    const auto* const type = std::find_if(std::begin(kCdrTypes), std::end(kCdrTypes),
+                                          [&](const CdrType& t) { return t.of == of; });
+    input.resize(1 + writeCdr(message, {}));
+    input[0] = static_cast<uint8_t>(type - kCdrTypes);
+    writeCdr(message, std::span(input).subspan(1));
+  };
+  addSamples(add);
+  add("claim", Claim{5, 1});
+  add("show", splitShow(fuzzedShow(), 1).at(0));
   return seeds;
 }
 

@@ -13,4 +13,8 @@ size_t fuzzMessages(const uint8_t* data, size_t size);
 /// Seeds of each message; guides in every codec.
 std::vector<FuzzSeeds> messageSeeds();
 
+/// As both, for the samples of DDS in CDR. The first byte selects the type of the message.
+size_t fuzzCdr(const uint8_t* data, size_t size);
+std::vector<FuzzSeeds> cdrSeeds();
+
 }  // namespace strandcast

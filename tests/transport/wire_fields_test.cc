@@ -106,16 +106,20 @@ std::string listed() {
   return text.text();
 }
 
+template <class Message>
+void expectIdl() {
+  EXPECT_EQ((listed<IdlText, Message>()), membersOf("idl/strandcast.idl", kWireName<Message>));
+}
+
 TEST(WireFields, AreThoseOfTheIdl) {
-  const auto idl = [](const char* type) { return membersOf("idl/strandcast.idl", type); };
-  EXPECT_EQ((listed<IdlText, GroomChunk>()), idl("GroomChunk"));
-  EXPECT_EQ((listed<IdlText, BodyChunk>()), idl("BodyChunk"));
-  EXPECT_EQ((listed<IdlText, ColliderChunk>()), idl("ColliderChunk"));
-  EXPECT_EQ((listed<IdlText, GuideChunk>()), idl("GuideChunk"));
-  EXPECT_EQ((listed<IdlText, Command>()), idl("Command"));
-  EXPECT_EQ((listed<IdlText, Status>()), idl("Status"));
-  EXPECT_EQ((listed<IdlText, Claim>()), idl("Claim"));
-  EXPECT_EQ((listed<IdlText, ShowChunk>()), idl("ShowChunk"));
+  expectIdl<GroomChunk>();
+  expectIdl<BodyChunk>();
+  expectIdl<ColliderChunk>();
+  expectIdl<GuideChunk>();
+  expectIdl<Command>();
+  expectIdl<Status>();
+  expectIdl<Claim>();
+  expectIdl<ShowChunk>();
 }
 
 TEST(WireFields, AreThoseOfTheLcmSchema) {
