@@ -23,17 +23,24 @@ void checkStrandSet(const StrandSet& strands, const std::string& where) {
   require(std::adjacent_find(offsets.begin(), offsets.end(), std::greater_equal<>()) == offsets.end(),
           "the groom's offsets do not increase", "every strand has a vertex");
   const auto fits = [](size_t size, size_t expected) { return size == 0 || size == expected; };
-  require(fits(strands.pinned.size(), strands.vertices()) && fits(strands.radii.size(), strands.vertices()) &&
-              fits(strands.uvs.size(), strands.strands()) && fits(strands.parts.size(), strands.strands()),
-          "an array of the groom has the wrong length", "leave it empty, or one entry per vertex or strand");
+  require(
+      fits(strands.pinned.size(), strands.vertices()) && fits(strands.radii.size(), strands.vertices()) &&
+          fits(strands.uvs.size(), strands.strands()) && fits(strands.parts.size(), strands.strands()) &&
+          fits(strands.ids.size(), strands.strands()) && fits(strands.is_guide.size(), strands.strands()) &&
+          fits(strands.groups.size(), strands.strands()) && fits(strands.colours.size(), strands.strands()),
+      "an array of the groom has the wrong length", "leave it empty, or one entry per vertex or strand");
   const auto is_finite = [](const auto& vector) { return vector.allFinite(); };
   require(
       std::all_of(strands.positions.begin(), strands.positions.end(), is_finite) &&
           std::all_of(strands.uvs.begin(), strands.uvs.end(), is_finite) &&
+          std::all_of(strands.colours.begin(), strands.colours.end(), is_finite) &&
           std::all_of(strands.radii.begin(), strands.radii.end(), [](float r) { return std::isfinite(r); }),
       "the groom has a number that is not finite", "clean the groom first");
   require(std::all_of(strands.radii.begin(), strands.radii.end(), [](float r) { return r >= 0; }),
           "the groom has a negative radius", "give 0 or more, or no radii");
+  require(std::all_of(strands.colours.begin(), strands.colours.end(),
+                      [](const Vec3& colour) { return colour.minCoeff() >= 0; }),
+          "the groom has a negative colour", "give 0 or more, or no colours");
 }
 
 float arcLength(std::span<const Vec3> points) {

@@ -23,6 +23,11 @@ struct StrandSet {
   std::vector<float> radii;
   std::vector<Vec2> uvs;        ///< per strand, texture coordinates on the scalp; may be empty
   std::vector<uint16_t> parts;  ///< per strand, index of the file or group it came from; may be empty
+  /// Labels that the artist gave the strands, each per strand or empty. The simulation does not use them.
+  std::vector<uint32_t> ids;      ///< the artist's numbers (Unreal's groom_id)
+  std::vector<uint8_t> is_guide;  ///< 1 = marked as a guide that other hairs follow
+  std::vector<uint32_t> groups;   ///< index into the table of groups that the groom has beside its strands
+  std::vector<Vec3> colours;      ///< linear RGB, 0 or more, usually at most 1
 
   size_t strands() const { return offsets.size() - 1; }
   size_t vertices() const { return positions.size(); }
@@ -36,8 +41,8 @@ struct StrandSet {
   void append(std::span<const Vec3> points);
 };
 
-/// Throws Error, naming `where`, if arrays do not fit each other, a number is not finite or a radius is
-/// negative. A set without strands passes.
+/// Throws Error, naming `where`, if arrays do not fit each other, a number is not finite or a radius or
+/// colour is negative. A set without strands passes.
 void checkStrandSet(const StrandSet& strands, const std::string& where);
 
 /// Arc length of a strand, m.

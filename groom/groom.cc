@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <set>
 
@@ -46,6 +47,12 @@ GroomSummary summarize(const StrandSet& strands) {
       ++summary.degenerate_strands;
   }
   for (const Vec3& point : strands.positions) summary.bounds.extend(Eigen::Vector3f(point));
+  summary.guides = static_cast<size_t>(std::count(strands.is_guide.begin(), strands.is_guide.end(), 1));
+  summary.ids = std::set<uint32_t>(strands.ids.begin(), strands.ids.end()).size();
+  summary.groups = std::set<uint32_t>(strands.groups.begin(), strands.groups.end()).size();
+  std::set<std::array<float, 3>> colours;
+  for (const Vec3& colour : strands.colours) colours.insert({colour.x(), colour.y(), colour.z()});
+  summary.colours = colours.size();
   return summary;
 }
 
@@ -64,7 +71,8 @@ void freeSecondVertices(StrandSet& strands) {
 }
 
 /// Merges the strands of several files into one set. Attributes that only some files have would be undefined
-/// for the rest: pins default to the root, radii and UVs are left out with a warning.
+/// for the rest: pins default to the root, guide marks to none, groups to one of the file; radii, UVs, ids
+/// and colours are left out with a warning.
 class GroomMerger {
  public:
   GroomMerger(Groom& groom, bool several) : groom_(groom), several_(several) {}
@@ -82,6 +90,12 @@ class GroomMerger {
     appendPins(part);
     all.radii.insert(all.radii.end(), part.radii.begin(), part.radii.end());
     all.uvs.insert(all.uvs.end(), part.uvs.begin(), part.uvs.end());
+    all.ids.insert(all.ids.end(), part.ids.begin(), part.ids.end());
+    all.colours.insert(all.colours.end(), part.colours.begin(), part.colours.end());
+    any_guides_ |= !part.is_guide.empty();
+    all.is_guide.insert(all.is_guide.end(), part.is_guide.begin(), part.is_guide.end());
+    all.is_guide.resize(all.strands(), 0);
+    appendGroups(raw);
     all.parts.insert(all.parts.end(), part.strands(), static_cast<uint16_t>(file));
     report(raw.report, name);
   }
@@ -89,15 +103,21 @@ class GroomMerger {
   void finish() {
     StrandSet& all = groom_.strands;
     if (!any_pins_) all.pinned.clear();
-    if (!all.radii.empty() && all.radii.size() != all.vertices()) {
-      all.radii.clear();
-      groom_.report.warnings.push_back("some of the files have no radii: those of the others are left out");
+    if (!any_guides_) all.is_guide.clear();
+    if (!any_groups_) {
+      all.groups.clear();
+      groom_.groups.clear();
     }
-    if (!all.uvs.empty() && all.uvs.size() != all.strands()) {
-      all.uvs.clear();
+    const auto clearUnlessWhole = [&](auto& values, size_t expected, const char* what) {
+      if (values.empty() || values.size() == expected) return;
+      values.clear();
       groom_.report.warnings.push_back(
-          "some of the files have no strand UVs: those of the others are left out");
-    }
+          fmt::format("some of the files have no {}: those of the others are left out", what));
+    };
+    clearUnlessWhole(all.radii, all.vertices(), "radii");
+    clearUnlessWhole(all.uvs, all.strands(), "strand UVs");
+    clearUnlessWhole(all.ids, all.strands(), "ids");
+    clearUnlessWhole(all.colours, all.strands(), "colours");
   }
 
  private:
@@ -111,6 +131,17 @@ class GroomMerger {
       groom_.report.warnings.push_back(fmt::format("{}: {}", name, warning));
   }
 
+  void appendGroups(const RawGroom& raw) {
+    any_groups_ |= !raw.strands.groups.empty();
+    std::vector<uint32_t>& all = groom_.strands.groups;
+    const auto first = static_cast<uint32_t>(groom_.groups.size());
+    for (const uint32_t group : raw.strands.groups) all.push_back(first + group);
+    groom_.groups.insert(groom_.groups.end(), raw.groups.begin(), raw.groups.end());
+    if (!raw.strands.groups.empty()) return;
+    all.resize(all.size() + raw.strands.strands(), first);
+    groom_.groups.emplace_back();
+  }
+
   void appendPins(const StrandSet& part) {
     std::vector<uint8_t>& pins = groom_.strands.pinned;
     const size_t before = pins.size();
@@ -122,7 +153,7 @@ class GroomMerger {
 
   Groom& groom_;
   bool several_;  // there is more than one file
-  bool any_pins_ = false;
+  bool any_pins_ = false, any_guides_ = false, any_groups_ = false;
 };
 
 /// Converts the strands of a further file to the unit of the first, `said` (0 if the first states none).

@@ -31,6 +31,7 @@ struct GroomReport {
 struct Groom {
   std::string name;  ///< of files: their names without folder and extension, joined by "+"
   StrandSet strands;
+  std::vector<StrandGroup> groups;  ///< table for StrandSet::groups; may be more than the strands use
   GroomReport report;
 };
 
@@ -41,12 +42,16 @@ struct GroomSummary {
   size_t degenerate_strands = 0;              ///< strands that cleaning drops as too short (GroomReport)
   float min_length = 0, median_length = 0, max_length = 0;  ///< m, along the strand
   Box bounds;                                               ///< m
+  size_t guides = 0;                                        ///< strands that are marked as guides
+  size_t ids = 0, groups = 0, colours = 0;                  ///< different ones
 };
 /// Accepts strands in any unit. Lengths and bounds are in the unit of the positions.
 GroomSummary summarize(const StrandSet& strands);
 
 /// Reads one or more files (at most 65,535) into one groom in metres, Y up, and cleans it (cleanStrands).
-/// `parts` holds the index of each strand's file.
+/// `parts` holds the index of each strand's file. Groups of different files stay apart, whatever their ids.
+/// Where only some files have guide marks or groups, the strands of the others are no guides, or in a group 0
+/// of their file. Other values that only some have are left out, with a warning.
 ///
 /// A given unit applies to all files. Else each file that states its unit is read in that unit; one unit is
 /// guessed for all files when none states it. The up axis is each file's own unless given. Warns when a given

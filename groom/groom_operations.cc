@@ -282,8 +282,7 @@ void resampleStrand(const StrandSet& from, size_t s, size_t count, EvenCut& cut,
     to.pinned.resize(to.positions.size(), 0);
     transferPins(from, s, cut, std::span(to.pinned).last(count));
   }
-  if (!from.uvs.empty()) to.uvs.push_back(from.uvs[s]);
-  if (!from.parts.empty()) to.parts.push_back(from.parts[s]);
+  appendStrandValues(to, from, s);
   to.offsets.push_back(static_cast<uint32_t>(to.positions.size()));
 }
 

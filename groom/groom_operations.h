@@ -35,9 +35,9 @@ void orientRoots(Groom& groom, const ClosestPoint& scalp);
 /// are at equal arc lengths.
 ///
 /// Root and tip are kept bit for bit. The new polyline is never longer than the old one, and shorter by the
-/// corners cut. Radii are interpolated; UVs and parts are carried over. A pinned vertex pins the new vertex
-/// nearest to it. New vertices between two pinned neighbours are pinned as well. A strand that runs back
-/// along itself can get two coincident vertices: call cleanStrands() again where that may occur.
+/// corners cut. Radii are interpolated; all values per strand are carried over. A pinned vertex pins the new
+/// vertex nearest to it. New vertices between two pinned neighbours are pinned as well. A strand that runs
+/// back along itself can get two coincident vertices: call cleanStrands() again where that may occur.
 StrandSet resample(const StrandSet& strands, int vertices);
 /// As resample(), with each strand's own count of vertices, capped at `max_vertices` (2 to 128).
 StrandSet equalize(const StrandSet& strands, int max_vertices);
@@ -46,8 +46,8 @@ StrandSet equalize(const StrandSet& strands, int max_vertices);
 /// than that. Indices are ascending. Farthest point sampling, starting from the root farthest from the centre
 /// of all roots. Of equal candidates the lower index is taken, so the result is deterministic.
 std::vector<uint32_t> chooseGuides(const StrandSet& strands, size_t count);
-/// Copies the chosen strands in the given order, with pins, radii, UVs and parts. Error on an index out of
-/// range.
+/// Copies the chosen strands in the given order, with pins, radii and all values per strand. Error on an
+/// index out of range.
 StrandSet subset(const StrandSet& strands, const std::vector<uint32_t>& chosen);
 
 /// Attachment of the roots to the scalp.

@@ -45,12 +45,14 @@ std::string defaultUnitWarning(const RawGroom& raw) {
       raw.unit_meters);
 }
 
-void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up, float unit_meters) {
+void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up, float unit_meters,
+                std::span<const StrandGroup> groups) {
   const std::string extension = lowerExtension(file);
   StrandSet turned = strands;
   rotateToYUp(turned.positions, up);
   if (extension == ".tfx") return writeFileBytes(file, encodeTfx(turned, file.string()));
-  if (extension == ".usda") return writeFileBytes(file, encodeUsda(turned, unit_meters, file.string()));
+  if (extension == ".usda")
+    return writeFileBytes(file, encodeUsda(turned, unit_meters, file.string(), groups));
   rotateToZUp(turned.positions);
   if (extension == ".hair") return writeFileBytes(file, encodeHair(turned, file.string()));
   throw Error("grooms cannot be written in this format", file.string(), "use .tfx, .hair or .usda");
@@ -58,14 +60,18 @@ void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpA
 
 std::vector<std::string> omissionsOf(const std::filesystem::path& file, const StrandSet& strands) {
   const std::string extension = lowerExtension(file);
-  if (extension == ".tfx")
-    return strands.radii.empty() ? std::vector<std::string>() : std::vector<std::string>{"radii"};
-  std::vector<std::string> out;
+  const bool tfx = extension == ".tfx", usda = extension == ".usda";
   bool pins = false;
   for (size_t s = 0; s < strands.strands(); ++s)
     for (size_t i = 2; i < strands.verticesOf(s); ++i) pins = pins || strands.isPinned(s, i);
-  if (pins) out.emplace_back("pins");
-  if (!strands.uvs.empty() && extension != ".usda") out.emplace_back("UVs");
+  std::vector<std::string> out;
+  if (pins && !tfx) out.emplace_back("pins");
+  if (!strands.uvs.empty() && !tfx && !usda) out.emplace_back("UVs");
+  if (!strands.radii.empty() && tfx) out.emplace_back("radii");
+  if (!strands.is_guide.empty() && !usda) out.emplace_back("guide marks");
+  if (!strands.ids.empty() && !usda) out.emplace_back("ids");
+  if (!strands.groups.empty() && !usda) out.emplace_back("groups");
+  if (!strands.colours.empty() && !usda) out.emplace_back("colours");
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -20,6 +21,12 @@ struct GroomReadOptions {
   bool keep_pins = false;     ///< keep pins as in the files, for writing them again
 };
 
+/// A group into which an artist put strands: the hair of a fringe, a beard.
+struct StrandGroup {
+  int32_t id = 0;  ///< as the file numbers it (Unreal's groom_group_id); files may use one id for two groups
+  std::string name;  ///< groom_group_name: any bytes, at most 255; empty where the file has none
+};
+
 /// Strands as stored in a file, in its units and axes. Nothing is converted or cleaned, so that writing them
 /// again round-trips bit for bit. `positions` and `radii` are in file units here. `pinned`:
 /// - .tfx version 4: the vertices with w = 0;
@@ -27,9 +34,11 @@ struct GroomReadOptions {
 /// - .hair, .obj and .usda: empty, which means the root.
 ///
 /// `radii` are half the thickness of a .hair file or half the widths of .usda curves. `uvs` are the strand
-/// UVs of a .tfx or .usda file. Both are empty where the file has none.
+/// UVs of a .tfx or .usda file. Labels (ids, guide marks, groups, colours) come from .usda files. All these
+/// are empty where the file has none.
 struct RawGroom {
   StrandSet strands;
+  std::vector<StrandGroup> groups;  ///< table for StrandSet::groups, in the order of first strands
   UpAxis native_up = UpAxis::kY;
   float unit_meters = 0;         ///< metres per unit, where the file or its format (.usda) states it; else 0
   bool unit_is_default = false;  ///< the unit comes from the format's default; the file does not state it
@@ -51,8 +60,8 @@ RawGroom readRawGroom(const std::filesystem::path& file);
 /// Of USD text, those BasisCurves are read that are active, visible and of purpose default or render, placed
 /// by their transforms. Linear curves keep their points. Cubic curves are sampled at the ends of segments;
 /// bezier curves at the thirds of segments, too. Referenced files, unselected variants and all time samples
-/// except the earliest are not read. A unit is 0.01 m without metersPerUnit. The UV of a strand is that of
-/// its root. docs/formats.md has the full list.
+/// except the earliest are not read. A unit is 0.01 m without metersPerUnit. UV and labels of a strand are
+/// those of its root, its colour is the mean along it. docs/formats.md has the full list.
 RawGroom readTfx(std::span<const std::byte> bytes, const std::string& name);
 RawGroom readHair(std::span<const std::byte> bytes, const std::string& name);
 RawGroom readObjStrands(std::span<const std::byte> bytes, const std::string& name);
@@ -68,16 +77,18 @@ std::string defaultUnitWarning(const RawGroom& raw);
 /// - .tfx (version 4) keeps pins and UVs, not radii. All strands must have the same vertex count.
 /// - .hair keeps counts and radii (thickness = twice the radius), not pins and UVs. At most 65,536 vertices
 ///   per strand.
-/// - .usda keeps counts, radii (widths) and UVs, not pins, and states the unit: `unit_meters`, metres, 0 if
-///   unknown.
+/// - .usda keeps counts, radii (widths), UVs and labels, not pins, and states the unit: `unit_meters`,
+/// metres,
+///   0 if unknown. `groups`: the table for StrandSet::groups; an index beyond it is written as the id.
 ///
 /// `parts` are not kept. Throws Error for no strands, counts that do not fit, another extension, or a failed
 /// write.
 void writeGroom(const std::filesystem::path& file, const StrandSet& strands, UpAxis up = UpAxis::kY,
-                float unit_meters = 1);
+                float unit_meters = 1, std::span<const StrandGroup> groups = {});
 
-/// Attributes of `strands` that writeGroom() cannot store in this file: "pins", "UVs", "radii". A pin of the
-/// second vertex alone does not count: it stands for the clamped root frame, which all strands have.
+/// Attributes of `strands` that writeGroom() cannot store in this file: "pins", "UVs", "radii", "guide
+/// marks", "ids", "groups", "colours". A pin of the second vertex alone does not count: it stands for the
+/// clamped root frame, which all strands have.
 std::vector<std::string> omissionsOf(const std::filesystem::path& file, const StrandSet& strands);
 
 /// Metres per unit that are tried for files of unknown unit: 1, 0.1, 0.01, 0.001, the 0.0025 of HAIR and
@@ -97,9 +108,11 @@ std::vector<std::byte> encodeTfx(const StrandSet& strands, const std::string& na
 /// and parts are not stored. Throws Error when there are no strands or one has more than 65,536 vertices.
 std::vector<std::byte> encodeHair(const StrandSet& strands, const std::string& name);
 
-/// Encodes a .usda file: linear BasisCurves, Y up, UVs per curve, widths = twice the radius when there are
-/// radii. Positions are written as the shortest decimals that round-trip. Pins and parts are not stored.
-/// `unit_meters`: metres per unit of the positions, 0 if unknown. Throws Error when there are no strands.
-std::vector<std::byte> encodeUsda(const StrandSet& strands, float unit_meters, const std::string& name);
+/// Encodes a .usda file: linear BasisCurves, Y up, UVs and labels per curve, widths = twice the radius when
+/// there are radii. Positions are written as the shortest decimals that round-trip. Pins and parts are not
+/// stored. `unit_meters`: metres per unit of the positions, 0 if unknown. `groups`: as for writeGroom().
+/// Throws Error when there are no strands.
+std::vector<std::byte> encodeUsda(const StrandSet& strands, float unit_meters, const std::string& name,
+                                  std::span<const StrandGroup> groups = {});
 
 }  // namespace strandcast

@@ -11,6 +11,18 @@
 
 namespace strandcast {
 
+void appendStrandValues(StrandSet& to, const StrandSet& from, size_t s) {
+  const auto append = [s](auto& values, const auto& all) {
+    if (!all.empty()) values.push_back(all[s]);
+  };
+  append(to.uvs, from.uvs);
+  append(to.parts, from.parts);
+  append(to.ids, from.ids);
+  append(to.is_guide, from.is_guide);
+  append(to.groups, from.groups);
+  append(to.colours, from.colours);
+}
+
 void appendStrand(StrandSet& to, const StrandSet& from, size_t s, std::span<const uint32_t> vertices) {
   const uint32_t first = from.offsets[s];
   for (const uint32_t v : vertices) {
@@ -18,8 +30,7 @@ void appendStrand(StrandSet& to, const StrandSet& from, size_t s, std::span<cons
     if (!from.pinned.empty()) to.pinned.push_back(from.pinned[first + v]);
     if (!from.radii.empty()) to.radii.push_back(from.radii[first + v]);
   }
-  if (!from.uvs.empty()) to.uvs.push_back(from.uvs[s]);
-  if (!from.parts.empty()) to.parts.push_back(from.parts[s]);
+  appendStrandValues(to, from, s);
   to.offsets.push_back(static_cast<uint32_t>(to.positions.size()));
 }
 
@@ -31,8 +42,7 @@ void appendStrand(StrandSet& to, const StrandSet& from, size_t s) {
     to.pinned.insert(to.pinned.end(), from.pinned.begin() + begin, from.pinned.begin() + end);
   if (!from.radii.empty())
     to.radii.insert(to.radii.end(), from.radii.begin() + begin, from.radii.begin() + end);
-  if (!from.uvs.empty()) to.uvs.push_back(from.uvs[s]);
-  if (!from.parts.empty()) to.parts.push_back(from.parts[s]);
+  appendStrandValues(to, from, s);
   to.offsets.push_back(static_cast<uint32_t>(to.positions.size()));
 }
 

@@ -9,11 +9,14 @@
 namespace strandcast {
 
 /// Appends chosen vertices of strand `s` of `from` as a new strand of `to`, with their pins and radii, and
-/// the strand's UV and part. `vertices`: indices within the strand, in any order. `to` must be empty or hold
-/// strands appended from the same set.
+/// what appendStrandValues() appends. `vertices`: indices within the strand, in any order. `to` must be empty
+/// or hold strands appended from the same set.
 void appendStrand(StrandSet& to, const StrandSet& from, size_t s, std::span<const uint32_t> vertices);
 /// As above, with all vertices of the strand.
 void appendStrand(StrandSet& to, const StrandSet& from, size_t s);
+/// Appends the values per strand of strand `s` of `from` alone: UV, part, id, guide mark, group and colour.
+/// For those who make the vertices of the strand anew.
+void appendStrandValues(StrandSet& to, const StrandSet& from, size_t s);
 
 /// Median length of the strands that have two or more vertices; 0 when there are none.
 float medianLength(const StrandSet& strands);

@@ -1,4 +1,4 @@
-// BasisCurves of a .usda stage: their points, primvars, widths and UVs.
+// BasisCurves of a .usda stage: their points, primvars, widths, UVs and labels of strands.
 #pragma once
 #include <Eigen/Core>
 
@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/usda_stage.h"
@@ -94,17 +95,20 @@ class UsdaCurves {
   std::vector<size_t> counts_, first_point_ = {0}, first_varying_ = {0};
 };
 
-/// Values of one primvar (or of `widths`, which is read like one) over the curves of a prim.
+/// Values of one primvar (or of a property that is read like one, as `widths`) over the curves of a prim.
 class UsdaPrimvar {
  public:
   enum class Interpolation { kConstant, kUniform, kVarying, kVertex };
+  enum class Kind { kNumbers, kStrings };
 
   /// Finds the primvar `name` on the prim or, if constant, on the nearest ancestor that has it. None where
   /// there is no value. A primvar without interpolation has `otherwise`; where its count of values does not
   /// match that, it has the first interpolation that the count matches (guessed() is then true). Throws
-  /// UsdaFault when the interpolation does not exist for curves, or the values do not match it.
+  /// UsdaFault when the interpolation does not exist for curves, or the values do not match it or are not of
+  /// the kind.
   static std::optional<UsdaPrimvar> of(const UsdaStage& stage, size_t prim, const std::string& name,
-                                       const UsdaCurves& curves, Interpolation otherwise);
+                                       const UsdaCurves& curves, Interpolation otherwise,
+                                       Kind kind = Kind::kNumbers);
 
   Interpolation interpolation() const { return interpolation_; }
   bool guessed() const { return guessed_; }
@@ -115,15 +119,20 @@ class UsdaPrimvar {
   /// Numbers of one value. `element` is 0 for a constant primvar, else the index of the curve, varying value
   /// or point. Empty where its index is the unauthored one or out of range.
   std::span<const double> at(size_t element) const;
+  /// The string of one value, likewise; null in place of empty.
+  const std::string* stringAt(size_t element) const;
 
  private:
   UsdaPrimvar() = default;
+  /// Index among the stored values.
+  std::optional<size_t> stored(size_t element) const;
   void choose(const UsdaProperty& property, const UsdaCurves& curves, Interpolation otherwise);
 
   Interpolation interpolation_ = Interpolation::kConstant;
   bool guessed_ = false;
-  size_t components_ = 1, elements_ = 1;
+  size_t components_ = 1, elements_ = 1, stored_ = 0;
   std::span<const double> values_, indices_;
+  std::span<const std::string> strings_;
   bool indexed_ = false;
   double unauthored_ = -1;
 };
@@ -145,6 +154,15 @@ struct UsdaValues {
     if (!how || how == Interpolation::kVarying) return nothing;
     return values[how == Interpolation::kConstant ? 0 : how == Interpolation::kUniform ? curve : point];
   }
+  /// The values of a curve from its root on: one where they are constant or uniform. Precondition: `how`.
+  std::span<const Value> of(const UsdaCurves& curves, size_t curve) const {
+    using Interpolation = UsdaPrimvar::Interpolation;
+    const std::span<const Value> all(values);
+    if (how == Interpolation::kVarying)
+      return all.subspan(curves.firstVarying(curve), curves.varyingsOf(curve));
+    if (how == Interpolation::kVertex) return all.subspan(curves.firstPoint(curve), curves.pointsOf(curve));
+    return all.subspan(how == Interpolation::kConstant ? 0 : curve, 1);
+  }
   /// For varying values: the value at a vertex of the curve whose first varying value is `first`.
   Value varying(size_t first, const UsdaCurves::Vertex& vertex) const {
     const Value& before = values[first + vertex.segment];
@@ -158,13 +176,30 @@ using UsdaWidths = UsdaValues<double>;
 /// Unusable values are replaced by (0, 0).
 using UsdaUvs = UsdaValues<Eigen::Vector2d>;
 
-/// Names of the properties that may hold widths or UVs, in order of preference. The first usable property is
-/// read.
-const std::vector<std::string>& usdaWidthNames();
-const std::vector<std::string>& usdaUvNames();
+/// Names of all properties that may hold the values below.
+std::vector<std::string> usdaValueNames();
 
-/// Widths and UVs of a prim of curves. `prim`: index into UsdaStage::prims.
+/// Widths and UVs of a prim of curves. `prim`: index into UsdaStage::prims. Of several properties that may
+/// hold them the first usable one is read.
 UsdaWidths usdaWidthsOf(const UsdaStage& stage, size_t prim, const UsdaCurves& curves);
 UsdaUvs usdaUvsOf(const UsdaStage& stage, size_t prim, const UsdaCurves& curves);
+
+/// Labels of the strands of a prim of curves, under the names that Unreal's grooms have, with or without
+/// "primvars:". One unusable id or group id makes all those of the prim unusable.
+/// https://dev.epicgames.com/documentation/unreal-engine/using-alembic-for-grooms-in-unreal-engine
+struct UsdaLabels {
+  static constexpr size_t kLongestName = 255;
+
+  UsdaValues<double> ids;        ///< whole, 0 to 2^32 - 1
+  UsdaValues<double> guides;     ///< 0 or 1 (a guide); unusable values are replaced by 0
+  UsdaValues<double> group_ids;  ///< whole, -2^31 to 2^31 - 1
+  /// Views of the stage, with their escapes; at most kLongestName bytes without. Unusable values are replaced
+  /// by "".
+  UsdaValues<std::string_view> group_names;
+  /// groom_color or displayColor: linear RGB, 0 or more, within the range of a float. Unusable values are
+  /// replaced by the mean of the others.
+  UsdaValues<Eigen::Vector3d> colours;
+};
+UsdaLabels usdaLabelsOf(const UsdaStage& stage, size_t prim, const UsdaCurves& curves);
 
 }  // namespace strandcast

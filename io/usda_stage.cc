@@ -129,8 +129,8 @@ constexpr std::string_view kSamples = ".timeSamples", kIndicesSuffix = ":indices
 constexpr size_t kDeepest = 1000;        // depth of nested prims
 constexpr size_t kDeepestVariants = 64;  // depth of nested variant sets: each level is scanned once more
 constexpr size_t kMaxListedNames = 3;    // names listed in a report
-constexpr std::array<std::string_view, 8> kScalars = {"float", "double", "half",   "int",
-                                                      "uint",  "int64",  "uint64", "uchar"};
+constexpr std::array<std::string_view, 9> kScalars = {"float", "double", "half",  "int", "uint",
+                                                      "int64", "uint64", "uchar", "bool"};
 
 template <class List>
 bool holds(const List& list, std::string_view what) {
@@ -500,7 +500,7 @@ class StageReader {
       return;
     }
     UsdaText::TupleSizes sizes;
-    property.numbers = text_.readNumbers(&sizes);
+    property.numbers = text_.readNumbers(&sizes, type == "bool");
     const size_t numbers = usdaNumbersOf(type);
     const size_t side_by_side = type.starts_with("matrix") ? sizeOfRow(numbers) : numbers;
     if (property.numbers.empty() || (numbers == 1 && !holds(kScalars, type))) return;

@@ -199,17 +199,21 @@ void UsdaText::TupleSizes::add(size_t size) {
   most = std::max(most, size);
 }
 
-std::vector<double> UsdaText::readNumbers(TupleSizes* sizes) {
+std::vector<double> UsdaText::readNumbers(TupleSizes* sizes, bool flags) {
   std::vector<double> numbers;
   TupleSizes found;
   size_t in_tuple = 0;
   if (acceptWord("None")) return numbers;
   forEach(
       [&](char closing) {
-        const bool may_be = kind_ == Kind::kNumber || isWord("inf") || isWord("nan");
-        const std::optional<double> number = may_be ? numberOrInfinite(text_) : std::nullopt;
-        if (!number) fail("there should be a number");
-        numbers.push_back(*number);
+        if (flags && (isWord("true") || isWord("false"))) {
+          numbers.push_back(isWord("true") ? 1 : 0);
+        } else {
+          const bool may_be = kind_ == Kind::kNumber || isWord("inf") || isWord("nan");
+          const std::optional<double> number = may_be ? numberOrInfinite(text_) : std::nullopt;
+          if (!number) fail("there should be a number");
+          numbers.push_back(*number);
+        }
         if (closing == ')')
           ++in_tuple;
         else
@@ -243,6 +247,48 @@ std::vector<std::string> UsdaText::readTargets() {
   });
   if (after_asset && kind_ == Kind::kPath) next();
   return targets;
+}
+
+namespace {
+/// Value of a hexadecimal digit, or -1.
+int hexOf(char c) {
+  return isDigit(c)             ? c - '0'
+         : c >= 'a' && c <= 'f' ? c - 'a' + 10
+         : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                : -1;
+}
+}  // namespace
+
+std::string usdaUnescaped(std::string_view text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '\\' || i + 1 == text.size()) {
+      out += text[i];
+      continue;
+    }
+    const char c = text[++i];
+    const bool is_byte =
+        c == 'x' && i + 2 < text.size() && hexOf(text[i + 1]) >= 0 && hexOf(text[i + 2]) >= 0;
+    if (is_byte) {
+      out += static_cast<char>(16 * hexOf(text[i + 1]) + hexOf(text[i + 2]));
+      i += 2;
+    } else {
+      out += c == 'n' ? '\n' : c == 'r' ? '\r' : c == 't' ? '\t' : c;
+    }
+  }
+  return out;
+}
+
+std::string usdaEscaped(std::string_view characters) {
+  std::string out;
+  for (const char c : characters)
+    if (c == '"' || c == '\\')
+      out += {'\\', c};
+    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    else
+      out += c;
+  return out;
 }
 
 std::string printableName(std::string_view name) {

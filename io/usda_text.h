@@ -48,8 +48,8 @@ class UsdaText {
   void skipValue();
   /// Returns the numbers of a value in their order, ignoring brackets; none for `None`. They may be infinite
   /// or NaN (`inf`, `nan`, or out of the range of a double). Stores the sizes of tuples in `sizes` if given.
-  /// Throws Error on any other token.
-  std::vector<double> readNumbers(TupleSizes* sizes = nullptr);
+  /// With `flags`, `true` and `false` are 1 and 0. Throws Error on any other token.
+  std::vector<double> readNumbers(TupleSizes* sizes = nullptr, bool flags = false);
   /// Returns the strings of a value, likewise.
   std::vector<std::string> readStrings();
   /// Returns the targets of a value for a report, likewise: assets as `@name@`, and paths not preceded by an
@@ -89,6 +89,11 @@ class UsdaText {
   std::string_view text_;
   size_t line_ = 1;
 };
+
+/// The characters that the text of a string stands for, with its escapes resolved; and the text of a string
+/// in double quotes, on one line. usdaUnescaped(usdaEscaped(s)) is s.
+std::string usdaUnescaped(std::string_view text);
+std::string usdaEscaped(std::string_view characters);
 
 /// A file name for a report: one line, non-printable characters escaped, truncated if long.
 std::string printableName(std::string_view name);

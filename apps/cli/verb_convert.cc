@@ -38,6 +38,7 @@ void cleanAgain(StrandSet& strands, const std::string& out) {
 
 int convert(const ConvertOptions& o) {
   StrandSet strands;
+  std::vector<StrandGroup> groups;
   UpAxis up = UpAxis::kY;
   float unit_meters = 1;
   FileReport report;
@@ -50,9 +51,11 @@ int convert(const ConvertOptions& o) {
     for (const std::string& line : groom.report.lines()) spdlog::warn("{}: {}", o.out, line);
     for (const std::string& line : groom.report.warnings) spdlog::warn("{}", line);
     strands = std::move(groom.strands);
+    groups = std::move(groom.groups);
   } else {
     RawGroom raw = readRawGroom(o.in);
     strands = std::move(raw.strands);
+    groups = std::move(raw.groups);
     up = raw.native_up;
     unit_meters = raw.unit_meters;
     report = std::move(raw.report);
@@ -62,7 +65,7 @@ int convert(const ConvertOptions& o) {
     strands = resample(strands, o.vertices);
     cleanAgain(strands, o.out);
   }
-  writeGroom(o.out, strands, up, unit_meters);
+  writeGroom(o.out, strands, up, unit_meters, groups);
   if (unit_meters == 0 && lowerExtension(o.out) == ".usda")
     spdlog::warn("{}: {} does not give its unit; readers assume centimetres; give --unit-meters", o.out,
                  o.in);
@@ -83,7 +86,7 @@ Verb addConvert(CLI::App& app) {
   app.footer(
       "Positions are copied bit for bit unless --clean, --unit-meters, --up or --vertices changes them. "
       "Between .hair (Z up) and the other formats (Y up) they are rotated. .tfx keeps pins and UVs, .hair "
-      "radii, .usda UVs and radii; a warning names what is left out.\n"
+      "radii, .usda UVs, radii, guide marks, ids, groups and colours; a warning names what is left out.\n"
       "Example: strandcast convert bob.tfx bob.hair");
   app.add_option("IN", o->in, "groom to read: .tfx (3 and 4), .hair, .obj polylines, .usda curves")
       ->required();

@@ -98,6 +98,35 @@ std::optional<std::pair<double, double>> widthsOf(const StrandSet& strands) {
   return std::pair{2 * static_cast<double>(*least), 2 * static_cast<double>(*most)};
 }
 
+/// Counts of strands of each group, in the order of the table.
+std::vector<size_t> strandsPerGroup(const RawGroom& raw) {
+  std::vector<size_t> counts(raw.groups.size());
+  for (const uint32_t group : raw.strands.groups) ++counts[group];
+  return counts;
+}
+
+nlohmann::json groupsOf(const RawGroom& raw) {
+  const std::vector<size_t> counts = strandsPerGroup(raw);
+  nlohmann::json list = nlohmann::json::array();
+  for (size_t g = 0; g < counts.size(); ++g)
+    list.push_back({{"id", raw.groups[g].id}, {"name", raw.groups[g].name}, {"strands", counts[g]}});
+  return list;
+}
+
+/// "2: 0 fringe (120 strands), 1 (80 strands)"
+std::string lineOfGroups(const RawGroom& raw) {
+  constexpr size_t kNamed = 5;
+  const std::vector<size_t> counts = strandsPerGroup(raw);
+  std::vector<std::string> groups;
+  for (size_t g = 0; g < std::min(kNamed, counts.size()); ++g) {
+    const std::string name = printable(raw.groups[g].name);
+    groups.push_back(
+        fmt::format("{}{}{} ({} strands)", raw.groups[g].id, name.empty() ? "" : " ", name, counts[g]));
+  }
+  if (counts.size() > kNamed) groups.emplace_back("...");
+  return fmt::format("{}: {}", counts.size(), fmt::join(groups, ", "));
+}
+
 int printGroom(const InfoOptions& options) {
   const std::filesystem::path file(options.file);
   const RawGroom raw = readRawGroom(file);
@@ -129,6 +158,10 @@ int printGroom(const InfoOptions& options) {
                                  {"degenerate_strands", s.degenerate_strands},
                                  {"width_min", widths ? nlohmann::json(widths->first) : nlohmann::json()},
                                  {"width_max", widths ? nlohmann::json(widths->second) : nlohmann::json()},
+                                 {"guides", s.guides},
+                                 {"ids", s.ids},
+                                 {"groups", groupsOf(raw)},
+                                 {"colours", s.colours},
                                  {"bytes_per_frame", cast ? nlohmann::json(*cast) : nlohmann::json()},
                                  {"left_out", groom.report.left_out},
                                  {"warnings", groom.report.warnings}}));
@@ -155,6 +188,10 @@ int printGroom(const InfoOptions& options) {
     out.add("widths", "widths",
             fmt::format("{:.4g} to {:.4g} mm; not simulated: the radius of [[material]] is",
                         1e3 * widths->first, 1e3 * widths->second));
+  if (!raw.strands.is_guide.empty()) out.addCount("guides", "guides", s.guides);
+  if (s.ids > 0) out.addCount("ids", "different ids", s.ids);
+  if (s.groups > 0) out.add("groups", "groups", lineOfGroups(raw));
+  if (s.colours > 0) out.addCount("colours", "different colours", s.colours);
   out.addCount("degenerate", "degenerate strands", s.degenerate_strands);
   if (cast)
     out.add("bytes_per_frame", "published, at rest",

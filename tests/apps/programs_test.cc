@@ -423,6 +423,28 @@ TEST_F(Programs, InfoTellsCountsAsJson) {
   EXPECT_TRUE(nlohmann::json::parse(run(program_ + " info --backends --json").out)["backends"].is_array());
 }
 
+TEST_F(Programs, InfoTellsLabelsOfStrandsAndConvertKeepsThem) {
+  const std::string usda = (folder_ / "g.usda").string(), copy = (folder_ / "copy.usda").string();
+  writeFileBytes(usda, samples::usdaLabels());
+  const nlohmann::json info = nlohmann::json::parse(run(program_ + " info --json " + usda).out);
+  EXPECT_EQ(info["guides"], 1);
+  EXPECT_EQ(info["ids"], 3);
+  EXPECT_EQ(info["colours"], 3);
+  ASSERT_EQ(info["groups"].size(), 3u);
+  EXPECT_EQ(info["groups"][0]["id"], -1);
+  EXPECT_EQ(info["groups"][0]["name"], "a \"b\"");
+  EXPECT_EQ(info["groups"][0]["strands"], 1);
+  const std::string text = run(program_ + " info " + usda).out;
+  EXPECT_NE(text.find("3: -1 a \"b\" (1 strands), 3 c? (1 strands), 0 (1 strands)"), std::string::npos)
+      << text;
+  ASSERT_EQ(run(program_ + " convert " + usda + " " + copy).exit_code, 0);
+  const nlohmann::json again = nlohmann::json::parse(run(program_ + " info --json " + copy).out);
+  for (const char* key : {"guides", "ids", "colours", "groups"}) EXPECT_EQ(again[key], info[key]) << key;
+  EXPECT_NE(run(program_ + " convert " + usda + " " + copy + ".hair")
+                .err.find("no guide marks and no ids and no groups and no colours"),
+            std::string::npos);
+}
+
 TEST_F(Programs, SeveralLightsAreDrawn) {
   if (run(program_ + " render --help").exit_code != 0) GTEST_SKIP() << "made without render";
   const auto picture = [&](const std::string& lights) {

@@ -250,6 +250,10 @@ TEST(StrandModel, ASetWhoseArraysDoNotFitIsRefused) {
     set.radii.assign(5, 1e-4f);
     set.uvs.assign(2, Vec2::Zero());
     set.parts = {0, 1};
+    set.ids = {8, 9};
+    set.is_guide = {1, 0};
+    set.groups = {0, 0};
+    set.colours.assign(2, Vec3::Ones());
     EXPECT_EQ(errorOfModel(set), "");
     spoil(set);
     return errorOfModel(set);
@@ -261,7 +265,12 @@ TEST(StrandModel, ASetWhoseArraysDoNotFitIsRefused) {
   EXPECT_NE(complaint([](StrandSet& set) { set.radii.push_back(0); }).find("wrong length"),
             std::string::npos);
   EXPECT_NE(complaint([](StrandSet& set) { set.parts.pop_back(); }).find("wrong length"), std::string::npos);
+  EXPECT_NE(complaint([](StrandSet& set) { set.ids.pop_back(); }).find("wrong length"), std::string::npos);
+  EXPECT_NE(complaint([](StrandSet& set) { set.colours[1].x() = NAN; }).find("not finite"),
+            std::string::npos);
   EXPECT_NE(complaint([](StrandSet& set) { set.radii[2] = -1e-4f; }).find("negative radius"),
+            std::string::npos);
+  EXPECT_NE(complaint([](StrandSet& set) { set.colours[1].z() = -1; }).find("negative colour"),
             std::string::npos);
   EXPECT_NE(complaint([](StrandSet& set) { set.positions[2].y() = 1e20f; }).find("10 km"), std::string::npos);
   EXPECT_NE(errorOf([] {

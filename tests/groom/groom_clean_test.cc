@@ -196,7 +196,7 @@ TEST(Resample, IsExactOnAStraightStrandOfUnevenEdges) {
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(even.positions[i].y(), 0.05f * static_cast<float>(i), 1e-7f);
 }
 
-TEST(Resample, CarriesPinsRadiiUvsAndParts) {
+TEST(Resample, CarriesPinsRadiiAndAllValuesPerStrand) {
   StrandSet strands;
   strands.append(straight(Vec3::Zero(), 0.3f, 11));
   strands.append(straight(Vec3::Ones(), 0.3f, 3));
@@ -204,11 +204,19 @@ TEST(Resample, CarriesPinsRadiiUvsAndParts) {
   for (int i = 0; i < 14; ++i) strands.radii.push_back(i < 11 ? 0.1f * static_cast<float>(i) : 2.0f);
   strands.uvs = {Vec2(0, 1), Vec2(2, 3)};
   strands.parts = {7, 8};
+  strands.ids = {70, 80};
+  strands.is_guide = {0, 1};
+  strands.groups = {1, 0};
+  strands.colours = {Vec3(1, 0, 0), Vec3(0, 1, 0)};
   const StrandSet even = resample(strands, 6);
   EXPECT_EQ(even.pinned, (std::vector<uint8_t>{1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 0, 0}));
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(even.radii[i], 0.2f * static_cast<float>(i), 1e-5f);
   EXPECT_EQ(even.uvs, strands.uvs);
   EXPECT_EQ(even.parts, strands.parts);
+  EXPECT_EQ(even.ids, strands.ids);
+  EXPECT_EQ(even.is_guide, strands.is_guide);
+  EXPECT_EQ(even.groups, strands.groups);
+  EXPECT_EQ(even.colours, strands.colours);
 }
 
 TEST(Resample, CountsOutOfRangeAreRefused) {
@@ -285,12 +293,20 @@ TEST(Subset, CarriesEverythingInTheOrderAsked) {
   strands.radii = {0, 1, 2, 3, 4, 5, 6, 7, 8};
   strands.uvs = {Vec2(0, 0), Vec2(1, 0), Vec2(2, 0)};
   strands.parts = {4, 5, 6};
+  strands.ids = {40, 50, 60};
+  strands.is_guide = {1, 0, 0};
+  strands.groups = {2, 1, 0};
+  strands.colours = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
   const StrandSet chosen = subset(strands, {2, 0});
   EXPECT_EQ(chosen.offsets, (std::vector<uint32_t>{0, 4, 6}));
   EXPECT_EQ(chosen.pinned, (std::vector<uint8_t>{1, 0, 0, 1, 1, 0}));
   EXPECT_EQ(chosen.radii, (std::vector<float>{5, 6, 7, 8, 0, 1}));
   EXPECT_EQ(chosen.uvs[0], Vec2(2, 0));
   EXPECT_EQ(chosen.parts, (std::vector<uint16_t>{6, 4}));
+  EXPECT_EQ(chosen.ids, (std::vector<uint32_t>{60, 40}));
+  EXPECT_EQ(chosen.is_guide, (std::vector<uint8_t>{0, 1}));
+  EXPECT_EQ(chosen.groups, (std::vector<uint32_t>{0, 2}));
+  EXPECT_EQ(chosen.colours, (std::vector<Vec3>{Vec3(0, 0, 1), Vec3(1, 0, 0)}));
   expectError([&] { subset(strands, {3}); }, {"strand 3"});
 }
 
@@ -460,6 +476,43 @@ TEST(LoadGroom, SeveralFilesBecomeOneGroomWithParts) {
     EXPECT_TRUE(groom.strands.pinned[groom.strands.offsets[s]]);
     EXPECT_FALSE(groom.strands.isPinned(s, 1)) << "the root's frame is clamped instead";
   }
+}
+
+TEST(LoadGroom, LabelsOfSeveralFilesStayWithTheirStrands) {
+  const ScratchFolder folder;
+  StrandSet strands;
+  for (int s = 0; s < 3; ++s)
+    strands.append(straight(Vec3(0.1f * static_cast<float>(s), 0, 0), s == 1 ? 0.0f : 0.1f, 200));
+  strands.ids = {1, 2, 3};
+  strands.is_guide = {1, 0, 0};
+  strands.groups = {0, 1, 1};
+  strands.colours.assign(3, Vec3(0.5f, 0.25f, 0));
+  writeGroom(folder / "a.usda", strands, UpAxis::kY, 1, std::vector<StrandGroup>{{5, "fringe"}, {6, ""}});
+  const Groom one = loadGroom({folder / "a.usda"}, {});
+  EXPECT_EQ(one.report.dropped_short, 1u);
+  EXPECT_EQ(one.report.resampled, 2u);
+  EXPECT_EQ(one.strands.ids, (std::vector<uint32_t>{1, 3}));
+  EXPECT_EQ(one.strands.is_guide, (std::vector<uint8_t>{1, 0}));
+  EXPECT_EQ(one.strands.groups, (std::vector<uint32_t>{0, 1}));
+  const GroomSummary summary = summarize(one.strands);
+  EXPECT_EQ(summary.guides, 1u);
+  EXPECT_EQ(summary.ids, 2u);
+  EXPECT_EQ(summary.groups, 2u);
+  EXPECT_EQ(summary.colours, 1u);
+
+  strands.is_guide.clear();
+  strands.groups.clear();
+  strands.ids.clear();
+  writeGroom(folder / "b.usda", strands);
+  const Groom both = loadGroom({folder / "b.usda", folder / "a.usda", folder / "a.usda"}, {});
+  EXPECT_EQ(both.strands.is_guide, (std::vector<uint8_t>{0, 0, 1, 0, 1, 0}));
+  EXPECT_EQ(both.strands.groups, (std::vector<uint32_t>{0, 0, 1, 2, 3, 4})) << "equal ids, other groups";
+  ASSERT_EQ(both.groups.size(), 5u);
+  EXPECT_EQ(both.groups[3].id, 5);
+  EXPECT_EQ(both.groups[3].name, "fringe");
+  EXPECT_EQ(both.strands.colours.size(), 6u);
+  EXPECT_TRUE(both.strands.ids.empty());
+  EXPECT_TRUE(isReported(both, "some of the files have no ids"));
 }
 
 TEST(LoadGroom, PinnedTipsStayPinned) {

@@ -109,7 +109,7 @@ TEST(DamagedFiles, Hair) {
 }
 TEST(DamagedFiles, ObjStrands) { expectDamageIsTolerated(checkObjStrandsReader, {samples::objStrands()}); }
 TEST(DamagedFiles, Usda) {
-  expectDamageIsTolerated(checkUsdaReader, {samples::usda(), samples::usdaStage()});
+  expectDamageIsTolerated(checkUsdaReader, {samples::usda(), samples::usdaStage(), samples::usdaLabels()});
 }
 TEST(DamagedFiles, ObjMesh) { expectDamageIsTolerated(checkObjMeshReader, {samples::objMesh()}); }
 TEST(DamagedFiles, Sdf) { expectDamageIsTolerated(checkSdfReader, {samples::sdf()}); }

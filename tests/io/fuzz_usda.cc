@@ -3,7 +3,9 @@
 
 // Run as: fuzz_usda FOLDER. The folder, which may be empty at first, receives the seeds and the findings.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  strandcast::writeFuzzSeeds(*argc, *argv, {strandcast::samples::usda(), strandcast::samples::usdaStage()});
+  strandcast::writeFuzzSeeds(
+      *argc, *argv,
+      {strandcast::samples::usda(), strandcast::samples::usdaStage(), strandcast::samples::usdaLabels()});
   return 0;
 }
 

@@ -51,6 +51,11 @@ void checkStrandSet(const StrandSet& strands, size_t file_bytes) {
   require(strands.pinned.empty() || strands.pinned.size() == strands.vertices(), "pins are not per vertex");
   require(strands.radii.empty() || strands.radii.size() == strands.vertices(), "radii are not per vertex");
   require(strands.uvs.empty() || strands.uvs.size() == strands.strands(), "UVs are not per strand");
+  const auto fits = [&](const auto& values) { return values.empty() || values.size() == strands.strands(); };
+  require(fits(strands.ids) && fits(strands.is_guide) && fits(strands.groups) && fits(strands.colours),
+          "labels are not per strand");
+  for (const Vec3& colour : strands.colours)
+    require(colour.allFinite() && colour.minCoeff() >= 0, "a colour is negative or not finite");
   require(strands.vertices() <= file_bytes, "more vertices than the file has bytes");
 }
 
@@ -96,6 +101,26 @@ void checkRawGroom(const RawGroom& raw, size_t file_bytes) {
   require(again.strands.positions == raw.strands.positions && again.strands.offsets == raw.strands.offsets,
           "writing and reading again gave other strands");
   checkDownstream(raw.strands);
+}
+
+/// A groom's labels are the same after writing and reading.
+void checkLabels(const RawGroom& raw) {
+  std::vector<size_t> counts(raw.groups.size());
+  for (const uint32_t group : raw.strands.groups) {
+    require(group < raw.groups.size(), "a group is not in the table");
+    ++counts[group];
+  }
+  for (const size_t count : counts) require(count > 0, "a group has no strands");
+  StrandSet strands = raw.strands;
+  strands.radii.clear();  // widths beyond a float would cost curves
+  const RawGroom again = readUsda(encodeUsda(strands, 1, kName, raw.groups), kName);
+  require(again.strands.positions == strands.positions && again.strands.ids == strands.ids &&
+              again.strands.is_guide == strands.is_guide && again.strands.groups == strands.groups &&
+              again.strands.colours == strands.colours,
+          "writing and reading again gave other strands");
+  for (size_t g = 0; g < raw.groups.size(); ++g)
+    require(again.groups[g].id == raw.groups[g].id && again.groups[g].name == raw.groups[g].name,
+            "writing and reading again gave other groups");
 }
 
 void checkMesh(const TriangleMesh& mesh) {
@@ -215,6 +240,7 @@ bool checkUsdaReader(std::span<const std::byte> bytes) {
       require(radius >= 0 && std::isfinite(radius), "a radius is negative or not finite");
     for (const Vec2& uv : groom.strands.uvs) require(uv.allFinite(), "a UV is not finite");
     checkRawGroom(groom, bytes.size());
+    checkLabels(groom);
   });
 }
 

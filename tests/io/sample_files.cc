@@ -196,6 +196,39 @@ def Xform "g" ( variants = { string v = "x" }; prepend references = [@@@b@c.usda
 )");
 }
 
+Bytes usdaLabels() {
+  return fromText(R"(#usda 1.0
+( metersPerUnit = 1 )
+def Xform "g"
+{
+    color3f[] primvars:displayColor = [(0.5, 0.25, 0.125)]
+    def BasisCurves "a"
+    {
+        uniform token type = "linear"
+        int[] curveVertexCounts = [2, 3]
+        point3f[] points = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (1, 1, 0), (1, 2, 0)]
+        bool[] primvars:groom_guide = [true, false] ( interpolation = "uniform" )
+        int[] groom_id = [7, 4294967295] ( interpolation = "uniform" )
+        int[] primvars:groom_group_id = [3, -1] ( interpolation = "uniform" )
+        int[] primvars:groom_group_id:indices = [1, 0]
+        string[] primvars:groom_group_name = ["a \"b\"", "c\x07"] ( interpolation = "uniform" )
+        float[] groom_width = [0.1, 0.2, 0.3, 0.4, 0.5] ( interpolation = "vertex" )
+        float2[] groom_root_uv = [(0.25, 0.5), (0.5, 0.75)] ( interpolation = "uniform" )
+        color3f[] primvars:groom_color = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, -1, 0), (1, 1, 1)] (
+            interpolation = "vertex" )
+    }
+    def BasisCurves "b"
+    {
+        int[] curveVertexCounts = [4]
+        point3f[] points = [(2, 0, 0), (2, 1, 0), (2, 2, 0), (2, 3, 0)]
+        int[] primvars:groom_id = [9] ( interpolation = "constant" )
+        float2[] groom_root_uv = [(0.25, 0.5)]
+        float groom_width = 0.1 ( interpolation = "constant" )
+    }
+}
+)");
+}
+
 Bytes objMesh() {
   return fromText(
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"

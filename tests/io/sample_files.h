@@ -20,6 +20,7 @@ Bytes hairDefaultSegments();  ///< 2 strands of 4 points each, no array of segme
 Bytes objStrands();           ///< 3 strands of 4, 3 and 3 vertices, negative indices, extra columns
 Bytes usda();                 ///< curves of 4 and 3 points in a moved Xform, widths, UVs, cubic ones beside
 Bytes usdaStage();            ///< variants, indices, comments, hidden and damaged prims: 3 strands
+Bytes usdaLabels();           ///< two prims with ids, guide marks, groups and colours: 3 strands
 Bytes objMesh();              ///< a cube of quads with a skipped group beside it
 Bytes glb();                  ///< two nodes that share a quad of two triangles
 Bytes gltf();                 ///< as glb(), in text form with its buffer in a data URI

@@ -264,10 +264,10 @@ TEST(UsdaPrimvars, WhatDoesNotFitIsLeftOutWithTheReason) {
   for (const auto& [more, expected] : rows)
     EXPECT_NE(reason(more + "\n").find(expected), std::string::npos) << reason(more + "\n");
   EXPECT_EQ(readPrims(twoCurves(kKinds[0],
-                                "color3f[] primvars:displayColor = [(1, 0, 0)]\n"
+                                "float[] primvars:displayOpacity = [0.5]\n"
                                 "int[] primvars:hairId = [1, 2]\nint[] primvars:hairId:indices = [0]\n"))
                 .report.omissionsLine(),
-            "without colours, 1 other primvar (hairId)");
+            "without opacities, 1 other primvar (hairId)");
 }
 
 TEST(UsdaPrimvars, ManyOthersAreCountedInNoTime) {

@@ -194,12 +194,12 @@ TEST(Usda, WhatSeveralFilesLackIsReportedEach) {
   writeFileBytes(folder / "a.usda", samples::fromText("#usda 1.0\n" + hidden + curves("")));
   writeFileBytes(folder / "b.usda", samples::fromText("#usda 1.0\n( metersPerUnit = 1 )\n" + curves("")));
   writeFileBytes(folder / "c.usda",
-                 samples::fromText("#usda 1.0\n" + hidden + curves("color3f[] primvars:displayColor = []")));
+                 samples::fromText("#usda 1.0\n" + hidden + curves("float[] primvars:displayOpacity = []")));
   const std::string lack = "1 invisible prim (/h)";
   EXPECT_EQ(loadGroom({folder / "a.usda"}, {}).report.left_out, std::vector<std::string>{lack});
   EXPECT_EQ(loadGroom({folder / "a.usda", folder / "b.usda", folder / "c.usda"}, {}).report.left_out,
             (std::vector<std::string>{(folder / "a.usda").string() + ": " + lack,
-                                      (folder / "c.usda").string() + ": " + lack + ", colours"}));
+                                      (folder / "c.usda").string() + ": " + lack + ", opacities"}));
 }
 
 TEST(Usda, NamesInReportsStayOnOneLineAndShort) {
