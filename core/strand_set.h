@@ -1,5 +1,6 @@
 // Public API
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -39,6 +40,15 @@ struct StrandSet {
   }
   /// Appends one strand; `points` has 1 or more entries.
   void append(std::span<const Vec3> points);
+};
+
+/// The guides that a hair follows. The first has the weight that the others leave.
+struct HairBinding {
+  std::array<uint32_t, 3> guides{};  ///< strands of the groom's guides; the first again where a weight is 0
+  std::array<uint8_t, 2> weights{};  ///< of the second and third guide, in 1/255; their sum is at most 255
+
+  /// 0 to 1; k: 0 to 2. The three sum up to 1.
+  double weight(size_t k) const { return (k == 0 ? 255 - weights[0] - weights[1] : weights[k - 1]) / 255.0; }
 };
 
 /// Throws Error, naming `where`, if arrays do not fit each other, a number is not finite or a radius or

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "groom/neighbors.h"
 #include "io/image.h"
 
 namespace strandcast {
@@ -59,83 +60,8 @@ Vec2 ScalpPlaces::of(const uint32_t (&guides)[3], const float (&weights)[2]) con
 namespace {
 
 constexpr size_t kNeighbors = 8;
-constexpr float kMaxGap = 2.1f;    // rad, between neighbours in one triangle
-constexpr float kMaxEdge = 3.5f;   // in median spacings
-constexpr float kMinAlike = 0.5f;  // cosine between directions of guides that are interpolated
-constexpr float kMaxLengthRatio = 3;
-
-/// Nearest neighbours among points, by a k-d tree stored as a balanced ordering of indices.
-class PointTree {
- public:
-  PointTree(const std::vector<Vec3>& points, std::vector<uint32_t> members)
-      : points_(points), order_(std::move(members)) {
-    build(0, order_.size(), 0);
-  }
-
-  /// Up to `count` points nearest to point `center`, nearest first, without itself.
-  std::vector<uint32_t> nearest(uint32_t center, size_t count) const {
-    std::vector<std::pair<float, uint32_t>> heap;
-    search(0, order_.size(), 0, center, count, heap);
-    std::sort_heap(heap.begin(), heap.end());
-    std::vector<uint32_t> found;
-    for (const auto& entry : heap) found.push_back(entry.second);
-    return found;
-  }
-
- private:
-  void build(size_t first, size_t last, int axis) {
-    if (last - first < 2) return;
-    const size_t middle = (first + last) / 2;
-    // Ties are broken by index, so that the tree is the same on all platforms.
-    std::nth_element(
-        order_.begin() + first, order_.begin() + middle, order_.begin() + last, [&](uint32_t a, uint32_t b) {
-          return points_[a][axis] != points_[b][axis] ? points_[a][axis] < points_[b][axis] : a < b;
-        });
-    build(first, middle, (axis + 1) % 3);
-    build(middle + 1, last, (axis + 1) % 3);
-  }
-
-  void search(size_t first, size_t last, int axis, uint32_t center, size_t count,
-              std::vector<std::pair<float, uint32_t>>& heap) const {
-    if (first >= last) return;
-    const size_t middle = (first + last) / 2;
-    const uint32_t here = order_[middle];
-    if (here != center) {
-      heap.emplace_back((points_[here] - points_[center]).squaredNorm(), here);
-      std::push_heap(heap.begin(), heap.end());
-      if (heap.size() > count) {
-        std::pop_heap(heap.begin(), heap.end());
-        heap.pop_back();
-      }
-    }
-    const float offset = points_[center][axis] - points_[here][axis];
-    const int next = (axis + 1) % 3;
-    const auto near_side = offset < 0 ? std::pair{first, middle} : std::pair{middle + 1, last};
-    const auto far_side = offset < 0 ? std::pair{middle + 1, last} : std::pair{first, middle};
-    search(near_side.first, near_side.second, next, center, count, heap);
-    if (heap.size() < count || offset * offset < heap.front().first)
-      search(far_side.first, far_side.second, next, center, count, heap);
-  }
-
-  const std::vector<Vec3>& points_;
-  std::vector<uint32_t> order_;
-};
-
-struct GuideShape {
-  Vec3 start, whole;  ///< unit, from the root to a quarter of the vertices and to the tip
-  float length;
-};
-
-GuideShape shapeOf(std::span<const Vec3> points) {
-  const Vec3 start = points[std::max<size_t>(1, points.size() / 4)] - points.front();
-  const Vec3 whole = points.back() - points.front();
-  return {start.normalized(), whole.normalized(), arcLength(points)};
-}
-
-bool alike(const GuideShape& a, const GuideShape& b) {
-  return a.start.dot(b.start) > kMinAlike && a.whole.dot(b.whole) > kMinAlike &&
-         a.length < kMaxLengthRatio * b.length && b.length < kMaxLengthRatio * a.length;
-}
+constexpr float kMaxGap = 2.1f;   // rad, between neighbours in one triangle
+constexpr float kMaxEdge = 3.5f;  // in median spacings
 
 /// Sorts neighbours by their angle around `center` in their least squares plane.
 void sortByAngle(const std::vector<Vec3>& roots, uint32_t center, std::vector<uint32_t>& neighbors,
@@ -168,21 +94,21 @@ float triangleArea(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5f * 
 
 std::vector<RootTriangle> rootTriangles(const StrandSet& guides, const std::vector<uint8_t>& usable) {
   std::vector<Vec3> roots(guides.strands(), Vec3::Zero());
-  std::vector<GuideShape> shapes(guides.strands());
+  std::vector<StrandCourse> courses(guides.strands());
   std::vector<uint32_t> members;
   for (uint32_t g = 0; g < guides.strands(); ++g) {
     if (usable[g] == 0) continue;
     roots[g] = guides.strand(g).front();
-    shapes[g] = shapeOf(guides.strand(g));
+    courses[g] = courseOf(guides.strand(g));
     members.push_back(g);
   }
   std::vector<RootTriangle> triangles;
   if (members.size() < 3) return triangles;
-  const PointTree tree(roots, members);
+  const RootTree tree(roots, members);
   std::vector<std::vector<uint32_t>> neighbors;
   std::vector<float> spacing;
   for (uint32_t g : members) {
-    neighbors.push_back(tree.nearest(g, kNeighbors));
+    neighbors.push_back(tree.nearest(roots[g], kNeighbors, g));
     spacing.push_back(
         (roots[neighbors.back()[std::min<size_t>(2, neighbors.back().size() - 1)]] - roots[g]).norm());
   }
@@ -201,8 +127,8 @@ std::vector<RootTriangle> rootTriangles(const StrandSet& guides, const std::vect
       float gap = angles[j] - angles[i];
       if (gap <= 0) gap += 2 * std::numbers::pi_v<float>;
       if (a == b || gap > kMaxGap) continue;
-      const bool parted =
-          !alike(shapes[g], shapes[a]) || !alike(shapes[g], shapes[b]) || !alike(shapes[a], shapes[b]);
+      const bool parted = isParting(courses[g], courses[a]) || isParting(courses[g], courses[b]) ||
+                          isParting(courses[a], courses[b]);
       const float edge = std::max(
           {(roots[a] - roots[g]).norm(), (roots[b] - roots[g]).norm(), (roots[a] - roots[b]).norm()});
       const float area = triangleArea(roots[g], roots[a], roots[b]);
