@@ -7,7 +7,7 @@
 
 namespace strandcast {
 
-/// Chooses, for each hair, the guides that it follows and their weights.
+/// Chooses, for each hair, the guides that it follows (groom/bound_growth.h) and their weights.
 ///
 /// Candidates are the 12 guides with the nearest roots, of the hair's part where both sets have parts, which
 /// must number them alike, and at least 3 guides are of that part. The distance d of hair and guide is the

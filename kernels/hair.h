@@ -35,6 +35,19 @@ LANE_FN real3 carriedNormal(LANE_IN(real3) normal, LANE_IN(real3) last_tangent, 
   return normalizeOrZero(n - tangent * dot(n, tangent));
 }
 
+// Bound hairs, which nodes of guides carry; BoundHairReference (groom/bound_growth.h) has the whole formula.
+//
+// Rotation of a node from rest. `last`: that of the node before it towards the root. The unit tangents are the node's.
+// Rotates by the smallest angle more than `last`, which is how a rod's material frame moves while its twist strain does
+// not change. The identity at rest, for curled guides too.
+LANE_FN quat nodeRotation(LANE_IN(quat) last, LANE_IN(real3) rest_tangent, LANE_IN(real3) tangent) {
+  return normalizeQuat(multiply(rotationBetween(rotate(last, rest_tangent), tangent), last));
+}
+// Position to which a node carries a point. `rest`: the point, `node_rest`: the node, both at rest.
+LANE_FN real3 carriedPoint(LANE_IN(real3) node, LANE_IN(quat) rotation, LANE_IN(real3) node_rest, LANE_IN(real3) rest) {
+  return node + rotate(rotation, rest - node_rest);
+}
+
 // Radius of a lock along its length u, 0 to 1: a quadratic Bezier curve over factors at root, middle and tip.
 LANE_FN real lockRadius(LANE_IN(real3) profile, LANE_IN(real) u) {
   real v = lit(1) - u;

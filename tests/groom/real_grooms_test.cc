@@ -6,8 +6,10 @@
 #include <filesystem>
 
 #include "core/strand_model.h"
+#include "groom/bound_growth.h"
 #include "groom/groom.h"
 #include "groom/groom_operations.h"
+#include "groom/hair_binding.h"
 #include "io/mesh_file.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/real_data.h"
@@ -53,6 +55,26 @@ TEST_F(RealGrooms, SintelHas11400StrandsInMetres) {
   EXPECT_EQ(groom.report.unit_meters, 1.0f);
   EXPECT_EQ(groom.report.both_ends_pinned, 0u);
   EXPECT_NO_THROW(makeStrandModel(groom.strands));
+}
+
+TEST_F(RealGrooms, HairsBoundToATwentiethOfThemKeepTheirRestShapeAndTheirPart) {
+  const Groom groom = loadGroom(ponytail(), {0.0025f, UpAxis::kAuto});
+  const StrandSet guides = subset(groom.strands, chooseGuides(groom.strands, groom.strands.strands() / 20));
+  const std::vector<HairBinding> bindings = bindHairs(groom.strands, guides);
+  const BoundHairReference reference(guides, guides.positions,
+                                     std::vector<Quat>(guides.strands(), Quat::Identity()), 32);
+  double worst = 0;
+  size_t blended = 0;
+  for (size_t s = 0; s < bindings.size(); ++s) {
+    const std::span<const Vec3> hair = groom.strands.strand(s);
+    const auto grown = reference.grow(hair, bindings[s]);
+    for (size_t j = 0; j < hair.size(); ++j)
+      worst = std::max(worst, (grown[j].position - hair[j].cast<double>()).norm());
+    for (const uint32_t g : bindings[s].guides) EXPECT_EQ(guides.parts[g], groom.strands.parts[s]) << s;
+    blended += bindings[s].weights[1] > 0;
+  }
+  EXPECT_LT(worst, 1e-9);
+  EXPECT_GT(blended, bindings.size() * 9 / 10);
 }
 
 TEST_F(RealGrooms, BearLosesItsShortStrandsAndKeepsTheRest) {
