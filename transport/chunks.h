@@ -69,6 +69,21 @@ struct GroomChunk {
   std::vector<uint16_t> parts;          ///< per strand or empty
 };
 
+/// A part of the hairs that follow a groom's guides: whole hairs. Fields: docs/wire.md, "Hairs".
+struct HairChunk {
+  enum Arrays : uint32_t { kRadii = 1, kUvs = 2, kColours = 4, kParts = 8, kIds = 16 };
+  uint64_t session = 0;
+  uint32_t groom_id = 0, chunk_index = 0, chunk_count = 0, revision = 0;
+  uint32_t total_hairs = 0, total_vertices = 0, first_hair = 0, first_vertex = 0;
+  uint32_t hair_count = 0, vertex_count = 0;
+  uint32_t arrays = 0;  ///< bits of Arrays
+  uint32_t encoding = 0;
+  float step = 0;                 ///< m, of the grid of positions
+  float radius_step = 0;          ///< m
+  std::array<float, 4> uv_box{};  ///< lowest u, v; size in u, v
+  std::vector<uint8_t> payload;
+};
+
 /// A part of a body: positions, triangles or both. Fields: docs/wire.md, "BodyChunk".
 struct BodyChunk {
   enum Arrays : uint32_t { kNormals = 1, kHeadWeights = 2 };

@@ -1,5 +1,6 @@
 // Public API
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,6 +21,18 @@ struct GroomDescription {
   std::string name;
   float hair_radius = 40e-6f;  ///< m, see isHairRadius()
   StrandSet guides;            ///< rest shape, metres, groom frame
+};
+
+/// Hairs that follow the guides of a groom instead of growing from a seed: docs/architecture.md, "From guides
+/// to pixels". Every array but the hairs' positions and the bindings may be empty.
+struct HairDescription {
+  uint32_t groom_id = 0;
+  uint64_t session = 0;
+  uint32_t revision = 0;                        ///< of the groom, whose guides the bindings name
+  StrandSet hairs;                              ///< rest shape, metres, groom frame; `pinned` is not used
+  std::vector<HairBinding> bindings;            ///< per hair
+  std::vector<std::array<uint8_t, 3>> colours;  ///< per hair, reflectance, sRGB 0 to 255
+  std::vector<uint32_t> ids;                    ///< per hair, the artist's id
 };
 
 inline bool isHairRadius(float radius) { return radius >= 0 && radius <= kThickestHair; }

@@ -1,8 +1,11 @@
 #include "payload_fuzz.h"
 
+#include <array>
 #include <cstdlib>
 
+#include "bound_hairs.h"
 #include "transport/codec/guide_decoder.h"
+#include "transport/codec/hair_codec.h"
 
 namespace strandcast {
 namespace {
@@ -11,12 +14,53 @@ GroomDescription payloadGroom() {
   return hairGroom(40, [](size_t s) { return 1 + s % 20; });
 }
 
+using HairHead = std::array<uint32_t, 3>;  // arrays, hair_count, vertex_count
+
+HairDescription payloadHairs(const StrandSet& guides, bool with_arrays) {
+  return boundHairs(
+      guides, 60, [](size_t h) { return 2 + h % 12; }, with_arrays);
+}
+
+bool fuzzHairs(std::span<const uint8_t> bytes) {
+  static const GroomDescription kGroom = payloadGroom();
+  static const HairChunk kSound =
+      encodeHairs(payloadHairs(kGroom.guides, true), kGroom.guides, kDefaultHairError)[0];
+  HairHead head;
+  if (bytes.size() < sizeof head) return false;
+  std::memcpy(head.data(), bytes.data(), sizeof head);
+  HairChunk chunk = kSound;
+  chunk.arrays = head[0];
+  chunk.hair_count = head[1];
+  chunk.vertex_count = head[2];
+  chunk.payload.assign(bytes.begin() + sizeof head, bytes.end());
+  HairDescription hairs;
+  if (!decodeHairs(chunk, kGroom.guides, hairs)) return false;
+  checkHairs(hairs, kGroom.guides, "a decoded payload");  // throws on what an encoder would refuse
+  if (hairs.hairs.strands() != chunk.hair_count || hairs.hairs.vertices() != chunk.vertex_count) std::abort();
+  return true;
+}
+
+FuzzSeeds hairSeeds() {
+  const GroomDescription groom = payloadGroom();
+  FuzzSeeds seeds{"hairs", {}};
+  for (const bool with_arrays : {true, false}) {
+    const HairChunk chunk =
+        encodeHairs(payloadHairs(groom.guides, with_arrays), groom.guides, kDefaultHairError)[0];
+    const HairHead head{chunk.arrays, chunk.hair_count, chunk.vertex_count};
+    std::vector<uint8_t>& input = seeds.inputs.emplace_back(1 + sizeof head, kFuzzedHairs);
+    std::memcpy(input.data() + 1, head.data(), sizeof head);
+    input.insert(input.end(), chunk.payload.begin(), chunk.payload.end());
+  }
+  return seeds;
+}
+
 }  // namespace
 
 bool fuzzPayload(const uint8_t* data, size_t size) {
   static const GroomDescription kGroom = payloadGroom();
   static const GuideChunk kKey = splitFrame(kGroom, payloadFrame(kGroom, 1), {Codec::kTemporal})[0];
   if (size == 0) return false;
+  if (data[0] == kFuzzedHairs) return fuzzHairs({data + 1, size - 1});
   static GuideDecoder decoder;  // static, because creating its zstd context takes longer than all else
   decoder.setGroom(kGroom.guides);
   std::vector<Vec3> positions(kGroom.guides.vertices());
@@ -53,6 +97,7 @@ std::vector<FuzzSeeds> payloadSeeds() {
       }
     }
   }
+  seeds.push_back(hairSeeds());
   return seeds;
 }
 
