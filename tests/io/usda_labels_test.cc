@@ -19,10 +19,10 @@ std::string twoCurves(const std::string& name, const std::string& more) {
          more + "\n}\n";
 }
 
-RawGroom readPrims(const std::string& prims) {
+RawGroom readLabelledPrims(const std::string& prims) {
   return readUsda(samples::fromText("#usda 1.0\n( metersPerUnit = 1 )\n" + prims), "wig");
 }
-RawGroom readTwo(const std::string& more) { return readPrims(twoCurves("c", more)); }
+RawGroom readTwo(const std::string& more) { return readLabelledPrims(twoCurves("c", more)); }
 
 /// A property with interpolation.
 std::string property(const std::string& declared, const std::string& values, const std::string& how) {
@@ -153,12 +153,13 @@ TEST(UsdaLabels, DamagedOnesAreLeftOutWithTheReason) {
 
 TEST(UsdaLabels, ThoseOfSomePrimsOnlyAreLeftOut) {
   const std::string plain = twoCurves("b", "");
-  EXPECT_EQ(readPrims(twoCurves("a", "int[] groom_id = [1, 2]\n") + plain).report.omissionsLine(),
+  EXPECT_EQ(readLabelledPrims(twoCurves("a", "int[] groom_id = [1, 2]\n") + plain).report.omissionsLine(),
             "without ids (none for /b)");
-  EXPECT_EQ(readPrims(twoCurves("a", "float3 groom_color = (1, 0, 0)\n") + plain).report.omissionsLine(),
-            "without colours (none for /b)");
-  const RawGroom damaged = readPrims(twoCurves("a", "int groom_guide = 1\n") +
-                                     twoCurves("b", property("int[] groom_guide", "[1]", "uniform")));
+  EXPECT_EQ(
+      readLabelledPrims(twoCurves("a", "float3 groom_color = (1, 0, 0)\n") + plain).report.omissionsLine(),
+      "without colours (none for /b)");
+  const RawGroom damaged = readLabelledPrims(twoCurves("a", "int groom_guide = 1\n") +
+                                             twoCurves("b", property("int[] groom_guide", "[1]", "uniform")));
   EXPECT_TRUE(damaged.strands.is_guide.empty());
   EXPECT_NE(damaged.report.omissionsLine().find("guide marks (/b: groom_guide has 1 values"),
             std::string::npos);
