@@ -176,7 +176,7 @@ void printChecked(const CheckOptions& o, const Checked& checked) {
   if (!o.picture.empty() && checked.no_picture.empty())
     fmt::print("picture: {}; roots off the skin are red, vertices inside the body magenta, folds yellow\n",
                o.picture.string());
-  fmt::print("verdict: {} ({} faults, {} warnings)\n", verdictOf(checked.report.worst()),
+  fmt::print("verdict: {} (faults: {}, warnings: {})\n", verdictOf(checked.report.worst()),
              checked.report.count(CheckSeverity::kFault), checked.report.count(CheckSeverity::kWarning));
 }
 
