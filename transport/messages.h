@@ -117,6 +117,30 @@ struct Command {
   std::vector<double> values;  ///< docs/wire.md, "Command"
 };
 
+/// Poses of a head, joints and bodies, from a program that moves a character to the daemon of its hair. Each
+/// is a motion from rest: x_world = rotation * x_rest + position. A message has the newest sample and may
+/// repeat some before it. Fields and ranges: docs/wire.md, "PoseSamples"; isSound(PoseSamples) in
+/// transport/pose_inbox.h checks them.
+struct PoseSamples {
+  uint64_t source = 0;          ///< random per start of the sender, not 0
+  uint64_t time = 0;            ///< ns, sender's clock, of the newest sample
+  uint64_t sent_time = 0;       ///< ns, sender's system clock; 0: unknown
+  uint32_t groom_id = 0;        ///< 0: every groom that the message reaches
+  uint32_t newest = 0;          ///< number of the newest sample; counts up by one a sample, and wraps
+  uint32_t epoch = 0;           ///< another one: the motion jumps here, or the clock was set
+  uint32_t names_revision = 0;  ///< another one: other names
+  std::string names;  ///< of the poses, escaped: poseNames(). Both lists are empty where this revision's
+  std::string weight_names;    ///< names were sent before
+  std::vector<uint32_t> ages;  ///< per sample, newest first: ns before `time`
+  std::vector<float> poses;    ///< per sample and name: position x y z (m), rotation x y z w
+  std::vector<float> scales;   ///< per sample and name 3, or none: 1. They apply to joints only
+  std::vector<float> weights;  ///< per sample and weight name, of morph targets
+  // Set by the receiver, which also normalises the rotations:
+  uint64_t arrival_time = 0;  ///< ns, steady clock of the receiver
+};
+inline constexpr size_t kMaxPoseSamples = 16, kMaxPoseNames = 512, kMaxWeightNames = 256;  ///< per message
+inline constexpr size_t kMaxPoseNameBytes = 16384, kMaxWeightNameBytes = 8192;             ///< of all names
+
 /// How the channel encoded the newest frame.
 struct EncodingReport {
   std::string codec;       ///< a name of codecList(), transport/codec/codec.h; empty where nothing is encoded

@@ -6,8 +6,18 @@
 namespace strandcast {
 namespace {
 
-/// Splits names at single spaces; two spaces in a row give an empty name.
-std::vector<std::string_view> namesOf(std::string_view text) {
+bool isName(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte > 0x20 && byte != 0x7f;
+  });
+}
+
+constexpr std::string_view kSpace = "%20", kPercent = "%25";
+
+}  // namespace
+
+std::vector<std::string_view> splitNames(std::string_view text) {
   std::vector<std::string_view> names;
   while (!text.empty()) {
     const size_t length = text.find(' ');
@@ -19,16 +29,11 @@ std::vector<std::string_view> namesOf(std::string_view text) {
   return names;
 }
 
-bool isName(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return byte > 0x20 && byte != 0x7f;
-  });
+bool areDistinctNames(std::vector<std::string_view> names) {
+  if (!std::all_of(names.begin(), names.end(), isName)) return false;
+  std::sort(names.begin(), names.end());
+  return std::adjacent_find(names.begin(), names.end()) == names.end();
 }
-
-constexpr std::string_view kSpace = "%20", kPercent = "%25";
-
-}  // namespace
 
 std::string withoutSpaces(const std::string& name) {
   std::string out;
@@ -97,11 +102,8 @@ bool isSound(const ParameterTable& table) {
   if (table.names.size() > kMaxTableNameBytes || table.components.size() > kMaxTableEntries ||
       table.values.size() > kMaxTableValues)
     return false;
-  std::vector<std::string_view> names = namesOf(table.names);
-  if (names.size() != table.components.size() || !std::all_of(names.begin(), names.end(), isName))
-    return false;
-  std::sort(names.begin(), names.end());
-  if (std::adjacent_find(names.begin(), names.end()) != names.end()) return false;
+  const std::vector<std::string_view> names = splitNames(table.names);
+  if (names.size() != table.components.size() || !areDistinctNames(names)) return false;
   size_t values = 0;
   for (const uint8_t components : table.components) {
     if (components < 1 || components > kMaxTableComponents) return false;
@@ -115,7 +117,7 @@ NamedValues namedValues(const ParameterTable& table) {
   NamedValues all;
   auto value = table.values.begin();
   auto components = table.components.begin();
-  for (const std::string_view name : namesOf(table.names)) {
+  for (const std::string_view name : splitNames(table.names)) {
     const auto end = value + *components++;
     all.emplace_back(name, std::vector<double>(value, end));
     value = end;

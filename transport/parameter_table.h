@@ -24,6 +24,10 @@ ParameterTable parameterTable(const Parameters& parameters);
 /// After the parameters a table has the other things that commands steer, each named "KIND:NAME":
 /// docs/wire.md, "Status".
 inline constexpr const char *kWindSourceEntry = "fan", *kColliderEntry = "collider", *kUnusedEntry = "void";
+/// Splits a list at single spaces; two spaces in a row give an empty name.
+std::vector<std::string_view> splitNames(std::string_view text);
+/// Whether each is a name, without spaces and control characters, and occurs once.
+bool areDistinctNames(std::vector<std::string_view> names);
 /// Escapes a name of any bytes but control characters for a list that spaces separate: spaces and % become
 /// %20 and %25. withSpaces() is the inverse.
 std::string withoutSpaces(const std::string& name);

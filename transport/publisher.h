@@ -74,6 +74,10 @@ class Publisher {
   /// The next command for this groom, in the order of arrival; a repeated one is returned once. Up to
   /// kMaxQueuedCommands wait; beyond that the oldest are dropped.
   virtual std::optional<Command> takeCommand() = 0;
+  /// The next poses for this groom, in the order of arrival, with their time of arrival: sound, but from any
+  /// source, late ones and repeated samples included. Up to kMaxQueuedPoses messages wait; beyond that the
+  /// oldest are dropped.
+  virtual std::optional<PoseSamples> takePoses() { return std::nullopt; }
   /// Number of readers of the guides: matched (DDS), or heard within 3 s (LCM).
   virtual uint32_t matchedReaders() const = 0;
   /// Size and error of the newest frame as encoded; empty in-process, where nothing is encoded.

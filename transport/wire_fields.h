@@ -37,6 +37,8 @@ inline constexpr const char* kWireName<ColliderChunk> = "ColliderChunk";
 template <>
 inline constexpr const char* kWireName<GuideChunk> = "GuideChunk";
 template <>
+inline constexpr const char* kWireName<PoseSamples> = "PoseSamples";
+template <>
 inline constexpr const char* kWireName<Command> = "Command";
 template <>
 inline constexpr const char* kWireName<Status> = "Status";
@@ -62,7 +64,8 @@ inline constexpr const char* kWireName<ShowChunk> = "ShowChunk";
 
 namespace wire_limits {
 inline constexpr size_t kOctets = kMaxChunkBytes, kShorts = kMaxChunkBytes / 2, kWords = kMaxChunkBytes / 4;
-}
+inline constexpr size_t kScales = 6400;  // of a message full of poses
+}  // namespace wire_limits
 
 template <class Visitor>
 void chunkFields(Visitor& v, auto& m) {
@@ -176,6 +179,23 @@ template <class Visitor>
 void fields(Visitor& v, auto& m, std::type_identity<GuideChunk3>) {
   guideFields(v, m);
   v.array("payload", m.payload, wire_limits::kOctets);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<PoseSamples>) {
+  v.key("source", m.source);
+  v.number("time", m.time);
+  v.number("sent_time", m.sent_time);
+  v.key("groom_id", m.groom_id);
+  v.number("newest", m.newest);
+  v.number("epoch", m.epoch);
+  v.number("names_revision", m.names_revision);
+  v.text("names", m.names, kMaxPoseNameBytes);
+  v.text("weight_names", m.weight_names, kMaxWeightNameBytes);
+  v.array("ages", m.ages, kMaxPoseSamples);
+  v.array("poses", m.poses, wire_limits::kWords);
+  v.array("scales", m.scales, wire_limits::kScales);
+  v.array("weights", m.weights, kMaxPoseSamples * kMaxWeightNames);
 }
 
 template <class Visitor>

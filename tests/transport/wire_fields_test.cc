@@ -116,6 +116,7 @@ TEST(WireFields, AreThoseOfTheIdl) {
   expectIdl<BodyChunk>();
   expectIdl<ColliderChunk>();
   expectIdl<GuideChunk>();
+  expectIdl<PoseSamples>();
   expectIdl<Command>();
   expectIdl<Status>();
   expectIdl<Claim>();
@@ -128,6 +129,7 @@ TEST(WireFields, AreThoseOfTheLcmSchema) {
   EXPECT_EQ((listed<LcmText, BodyChunk>()), lcm("body_chunk_t"));
   EXPECT_EQ((listed<LcmText, ColliderChunk>()), lcm("collider_chunk_t"));
   EXPECT_EQ((listed<LcmText, GuideChunk>()), lcm("guide_chunk_t"));
+  EXPECT_EQ((listed<LcmText, PoseSamples>()), lcm("pose_samples_t"));
   EXPECT_EQ((listed<LcmText, Command>()), lcm("command_t"));
   EXPECT_EQ((listed<LcmText, Status>()), lcm("status_t"));
   EXPECT_EQ((listed<LcmText, ReaderHeartbeat>()), lcm("reader_t"));
