@@ -13,6 +13,7 @@ set(STRANDCAST_PUBLIC_HEADERS
   transport/dds.h
   transport/lcm.h
   transport/messages.h
+  transport/pose_sender.h
   transport/subscriber.h)
 
 foreach(name kernels core transport)

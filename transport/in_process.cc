@@ -8,16 +8,18 @@
 #include "transport/chunks.h"
 #include "transport/commands.h"
 #include "transport/frame_queue.h"
+#include "transport/pose_inbox.h"
 
 namespace strandcast {
 namespace {
 
 struct Channel {
-  explicit Channel(uint32_t id) : groom_id(id) {}
+  explicit Channel(uint32_t id) : groom_id(id), poses(id) {}
   const uint32_t groom_id;
   FrameQueue queue;
   FramePool pool;
   CommandQueue commands;
+  PoseInbox poses;
   Answers answers;
   std::mutex mutex;  // guards all below
   std::optional<Status> status;
@@ -87,6 +89,7 @@ class InProcessPublisher final : public Publisher {
   }
 
   std::optional<Command> takeCommand() override { return channel_->commands.take(); }
+  std::optional<PoseSamples> takePoses() override { return channel_->poses.take(); }
 
   uint32_t matchedReaders() const override {
     const std::lock_guard lock(channel_->mutex);
@@ -108,6 +111,7 @@ class InProcessSubscriber final : public Subscriber {
     channel_->has_subscriber = false;
   }
 
+  const std::shared_ptr<Channel>& channel() const { return channel_; }
   std::shared_ptr<const GroomDescription> groom() const override { return channel_->queue.groom(); }
   std::shared_ptr<const BodyDescription> body() const override { return channel_->queue.body(); }
   std::shared_ptr<const ColliderSet> colliders() const override { return channel_->queue.colliders(); }
@@ -163,12 +167,29 @@ class InProcessSubscriber final : public Subscriber {
   std::shared_ptr<Channel> channel_;
 };
 
+class InProcessPoseSender final : public PoseSender {
+ public:
+  explicit InProcessPoseSender(std::shared_ptr<Channel> channel)
+      : PoseSender(channel->groom_id, 1), channel_(std::move(channel)) {}
+
+ private:
+  void write(const PoseSamples& message) override { channel_->poses.push(message); }
+  std::shared_ptr<Channel> channel_;
+};
+
 }  // namespace
 
 std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeInProcessChannel(uint32_t groom_id) {
   checkGroomId(groom_id, "makeInProcessChannel");
   auto channel = std::make_shared<Channel>(groom_id);
   return {std::make_unique<InProcessPublisher>(channel), std::make_unique<InProcessSubscriber>(channel)};
+}
+
+std::unique_ptr<PoseSender> makeInProcessPoseSender(const Subscriber& subscriber) {
+  const auto* const end = dynamic_cast<const InProcessSubscriber*>(&subscriber);
+  if (end == nullptr)
+    throw Error("the channel leaves this process", "makeInProcessPoseSender", "use its own sender of poses");
+  return std::make_unique<InProcessPoseSender>(end->channel());
 }
 
 }  // namespace strandcast

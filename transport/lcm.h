@@ -3,8 +3,10 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "transport/codec/codec.h"
+#include "transport/pose_sender.h"
 #include "transport/subscriber.h"
 
 namespace strandcast {
@@ -34,10 +36,15 @@ bool isLcmLog(const std::string& url);
 /// lost strands. The publisher repeats the groom every second, and at once for a reader that asks. A daemon,
 /// or a reader, that was silent for 3 s counts as gone.
 ///
+/// A sender of poses moves the head and bodies of options.groom_id and of further grooms that one character
+/// wears (its beard). Each message has the newest three samples, because nothing repeats a lost one.
+///
 /// All throw Error on options out of range and when LCM cannot be set up, most often because multicast has no
 /// route: the Error says how to add one.
 std::unique_ptr<Publisher> makeLcmPublisher(const LcmOptions& options);
 std::unique_ptr<Subscriber> makeLcmSubscriber(const LcmOptions& options);
+std::unique_ptr<PoseSender> makeLcmPoseSender(const LcmOptions& options,
+                                              const std::vector<uint32_t>& further_grooms = {});
 /// Both ends on one LCM instance, as memq:// requires.
 std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeLcmChannel(const LcmOptions& options);
 

@@ -20,6 +20,7 @@ bool lcmAvailable(std::string* reason) {
 
 std::unique_ptr<Publisher> makeLcmPublisher(const LcmOptions&) { refuse(); }
 std::unique_ptr<Subscriber> makeLcmSubscriber(const LcmOptions&) { refuse(); }
+std::unique_ptr<PoseSender> makeLcmPoseSender(const LcmOptions&, const std::vector<uint32_t>&) { refuse(); }
 std::pair<std::unique_ptr<Publisher>, std::unique_ptr<Subscriber>> makeLcmChannel(const LcmOptions&) {
   refuse();
 }

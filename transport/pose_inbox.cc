@@ -67,7 +67,8 @@ bool isSound(const PoseSamples& samples) {
   const size_t posed = posesPerSample(samples), weighed = weightsPerSample(samples);
   if (posed > kMaxPoseNames || weighed > kMaxWeightNames || posed + weighed == 0 ||
       poses.size() != 7 * count * posed || weights.size() != count * weighed ||
-      (!scales.empty() && scales.size() != 3 * count * posed) ||
+      (!scales.empty() && scales.size() != 3 * count * posed) || names.size() > kMaxPoseNameBytes ||
+      weight_names.size() > kMaxWeightNameBytes ||
       bytesOf(poses, scales, weights) + names.size() + weight_names.size() > kMaxChunkBytes)
     return false;
   const bool has_names = !names.empty() || !weight_names.empty();

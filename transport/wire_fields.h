@@ -190,8 +190,8 @@ void fields(Visitor& v, auto& m, std::type_identity<PoseSamples>) {
   v.number("newest", m.newest);
   v.number("epoch", m.epoch);
   v.number("names_revision", m.names_revision);
-  v.text("names", m.names, kMaxPoseNameBytes);
-  v.text("weight_names", m.weight_names, kMaxWeightNameBytes);
+  v.text("names", m.names, kMaxPoseNameBytes + 1);  // not cut to another name: isSound() refuses longer ones
+  v.text("weight_names", m.weight_names, kMaxWeightNameBytes + 1);
   v.array("ages", m.ages, kMaxPoseSamples);
   v.array("poses", m.poses, wire_limits::kWords);
   v.array("scales", m.scales, wire_limits::kScales);

@@ -11,6 +11,7 @@
 #include "strandcast_v6/command_t.hpp"
 #include "strandcast_v6/groom_chunk_t.hpp"
 #include "strandcast_v6/guide_chunk_t.hpp"
+#include "strandcast_v6/pose_samples_t.hpp"
 #include "strandcast_v6/reader_t.hpp"
 #include "strandcast_v6/status_t.hpp"
 #include "transport/chunks.h"
@@ -82,6 +83,15 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
   EXPECT_EQ(throughGenerated<strandcast_v6::command_t>(command, command_back).values, command.values);
   EXPECT_EQ(command_back.name, "nod");
   EXPECT_EQ(command_back.kind, CommandKind::kHeadMotion);
+  PoseSamples poses = samplePoses(), poses_back;
+  poses.scales = {1, 2, 3};
+  const auto pose_wire = throughGenerated<strandcast_v6::pose_samples_t>(poses, poses_back);
+  EXPECT_EQ(pose_wire.names, poses.names);
+  EXPECT_EQ(static_cast<uint64_t>(pose_wire.time), poses.time);
+  EXPECT_EQ(poses_back.ages, poses.ages);
+  EXPECT_EQ(poses_back.poses, poses.poses);
+  EXPECT_EQ(poses_back.scales, poses.scales);
+  EXPECT_EQ(poses_back.weights, poses.weights);
   ReaderHeartbeat sign{99, 3, true}, sign_back;
   EXPECT_EQ(throughGenerated<strandcast_v6::reader_t>(sign, sign_back).wants_groom, 1);
   EXPECT_TRUE(sign_back.wants_groom);
@@ -107,7 +117,7 @@ TEST(LcmMessages, ChannelsOfEveryGroomHaveNamesThatLcmTakes) {
   for (const uint32_t groom : {0u, 1u, 1000000u, 0xFFFFFFFFu}) {
     const LcmChannels channels(groom);
     for (const std::string& name : {channels.groom, channels.bodies, channels.colliders, channels.guides,
-                                    channels.command, channels.reader, channels.status})
+                                    channels.pose, channels.command, channels.reader, channels.status})
       EXPECT_LE(name.size(), kLongest) << name;
   }
 }

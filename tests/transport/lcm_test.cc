@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -205,6 +206,61 @@ TEST_F(LcmItself, ALogThatCannotBeWrittenIsSaidOnce) {
   const std::string said = log.str();
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
   std::filesystem::remove(file);
+}
+
+TEST(Lcm, PosesReachTheGroomsOfACharacter) {
+  const auto link = std::make_shared<LossyLink>();
+  const auto head = makeLcmPublisher(link, options(11));
+  LcmOptions of_beard = options(12), of_other = options(13);
+  of_beard.groom_id = 2;
+  of_other.groom_id = 3;
+  const auto beard = makeLcmPublisher(link, of_beard), other = makeLcmPublisher(link, of_other);
+  const auto one = makeLcmPoseSender(link, options(0)), both = makeLcmPoseSender(link, options(0), {2});
+  const Pose pose{Vec3(1, 2, 3), Quat(0.8f, 0, 0.6f, 0)};
+  for (PoseSender* const sender : {one.get(), both.get()}) {
+    sender->setNames({"head"});
+    sender->send(7, {&pose, 1});
+  }
+  std::optional<PoseSamples> taken;
+  for (const auto& [publisher, sender] :
+       {std::pair(head.get(), one.get()), {head.get(), both.get()}, {beard.get(), both.get()}}) {
+    ASSERT_TRUE(becomesTrue([&] { return (taken = publisher->takePoses()).has_value(); }));
+    EXPECT_EQ(taken->source, sender->source());
+    EXPECT_EQ(taken->time, 7u);
+    EXPECT_EQ(taken->names, "head");
+    EXPECT_EQ(taken->poses, (std::vector<float>{1, 2, 3, 0, 0.6f, 0, 0.8f}));
+  }
+  EXPECT_FALSE(head->takePoses() || beard->takePoses() || other->takePoses());
+}
+
+TEST(Lcm, APoseIsLostOnlyWithThreeMessages) {
+  constexpr uint32_t kSent = 200;
+  const auto link = std::make_shared<LossyLink>(Losses{0.1, 0.05, 0.1, 3});
+  const auto publisher = makeLcmPublisher(link, options(11));
+  const auto sender = makeLcmPoseSender(link, options(0));
+  sender->setNames({"head"});
+  for (uint32_t i = 1; i <= kSent; ++i) {
+    const Pose pose{Vec3(static_cast<float>(i), 0, 0), Quat::Identity()};
+    sender->send(1000 * i, {&pose, 1});
+  }
+  link->setLosses({});
+  const Pose last{Vec3::Zero(), Quat::Identity()};
+  sender->send(1000 * (kSent + 1), {&last, 1});
+  std::set<uint32_t> arrived;
+  uint32_t newest = 0;
+  EXPECT_TRUE(becomesTrue([&] {
+    while (const std::optional<PoseSamples> taken = publisher->takePoses()) {
+      newest = std::max(newest, taken->newest);
+      for (uint32_t k = 0; k < taken->ages.size(); ++k) {
+        const uint32_t number = taken->newest - k;
+        EXPECT_EQ(taken->time - taken->ages[k], 1000u * number);
+        EXPECT_EQ(taken->poses[7 * k], number <= kSent ? static_cast<float>(number) : 0.0f);
+        arrived.insert(number);
+      }
+    }
+    return newest == kSent + 1;
+  }));
+  EXPECT_GE(arrived.size(), kSent - 1);  // 0.1^3 of 200
 }
 
 TEST(Lcm, ALateReaderIsGivenTheGroomAtOnce) {

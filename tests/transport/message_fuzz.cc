@@ -10,6 +10,7 @@
 #include "transport/cdr.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/parameter_table.h"
+#include "transport/pose_inbox.h"
 #include "transport/show.h"
 
 namespace strandcast {
@@ -31,6 +32,14 @@ void use(GuideChunk& chunk) {
       if (!position.allFinite()) std::abort();
     }
   }
+}
+void use(PoseSamples& samples) {
+  PoseInbox inbox(1);
+  if (!inbox.push(std::move(samples))) return;
+  const PoseSamples taken = *inbox.take();
+  if (!taken.names.empty() && posedNames(taken).size() != posesPerSample(taken)) std::abort();
+  if (!taken.weight_names.empty() && weightNames(taken).size() != weightsPerSample(taken)) std::abort();
+  if (!allFinite(taken.poses)) std::abort();
 }
 void use(Command& command) { isSound(command); }
 void use(ReaderHeartbeat&) {}
@@ -71,9 +80,9 @@ struct CdrType {
   size_t (*use)(std::span<const uint8_t> bytes);
 };
 const CdrType kCdrTypes[] = {
-    {"groom", useCdr<GroomChunk>},  {"body", useCdr<BodyChunk>},  {"colliders", useCdr<ColliderChunk>},
-    {"guides", useCdr<GuideChunk>}, {"command", useCdr<Command>}, {"status", useCdr<Status>},
-    {"claim", useCdr<Claim>},       {"show", useCdr<ShowChunk>}};
+    {"groom", useCdr<GroomChunk>},  {"body", useCdr<BodyChunk>},   {"colliders", useCdr<ColliderChunk>},
+    {"guides", useCdr<GuideChunk>}, {"pose", useCdr<PoseSamples>}, {"command", useCdr<Command>},
+    {"status", useCdr<Status>},     {"claim", useCdr<Claim>},      {"show", useCdr<ShowChunk>}};
 
 Show fuzzedShow() {
   Show show;
@@ -86,8 +95,8 @@ Show fuzzedShow() {
 size_t fuzzMessages(const uint8_t* data, size_t size) {
   const std::span<const uint8_t> bytes(data, size);
   size_t read = useLcm<GroomChunk>(bytes) + useLcm<BodyChunk>(bytes) + useLcm<ColliderChunk>(bytes) +
-                useLcm<GuideChunk>(bytes) + useLcm<Command>(bytes) + useLcm<ReaderHeartbeat>(bytes) +
-                useLcm<Status>(bytes);
+                useLcm<GuideChunk>(bytes) + useLcm<PoseSamples>(bytes) + useLcm<Command>(bytes) +
+                useLcm<ReaderHeartbeat>(bytes) + useLcm<Status>(bytes);
   if (const auto show = showOf(bytes)) ++read, use(*show);
   return read;
 }
@@ -117,6 +126,13 @@ void addSamples(const Add& add) {
       }())[0]);
   for (const CodecInfo& info : codecList())
     add("guides", splitFrame(groom, hairFrame(groom, 1), {info.codec})[0]);
+  add("pose", samplePoses());
+  add("pose", [] {
+    PoseSamples scaled = samplePoses();
+    scaled.names.clear(), scaled.weight_names.clear();
+    scaled.scales.assign(3 * 6, 1.5f);
+    return scaled;
+  }());
   add("command", Command{1, 7, CommandKind::kSetParameter, "wind", {1, 2, 3}});
   add("command", Command{1, 8, CommandKind::kMoveWindSource, "spot", {33, 2, 0, 0.2, 0.6, 8}});
   add("command", Command{1,

@@ -145,6 +145,21 @@ inline bool areAlike(const SurfaceBend& a, const SurfaceBend& b) {
   return a.middle == b.middle && a.terms == b.terms;
 }
 
+/// Two samples of a head, a joint and a body, and of one weight.
+inline PoseSamples samplePoses() {
+  PoseSamples samples;
+  samples.source = 7;
+  samples.time = 2'000'000'000;
+  samples.newest = 41;
+  samples.names = "head joint:left%20arm body:chair";
+  samples.weight_names = "smile";
+  samples.ages = {0, 16'666'667};
+  for (int i = 0; i < 6; ++i)
+    samples.poses.insert(samples.poses.end(), {0.1f * static_cast<float>(i), 1, 2, 0, 0.6f, 0, 0.8f});
+  samples.weights = {0.5f, 0.25f};
+  return samples;
+}
+
 /// Frame `number` of a groom: every position encodes its vertex and frame.
 inline void fillSampleFrame(const GroomDescription& groom, uint64_t number, GuideFrame& frame) {
   frame.groom_id = groom.groom_id;

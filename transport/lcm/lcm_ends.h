@@ -67,9 +67,11 @@ struct LcmChannels {
         bodies("STRANDCAST_BODIES_" + std::to_string(groom_id)),
         colliders("STRANDCAST_COLLIDERS_" + std::to_string(groom_id)),
         guides("STRANDCAST_GUIDES_" + std::to_string(groom_id)),
+        pose(poseOf(groom_id)),
         command("STRANDCAST_COMMAND_" + std::to_string(groom_id)),
         reader("STRANDCAST_READER_" + std::to_string(groom_id)) {}
-  const std::string groom, bodies, colliders, guides, command, reader;
+  static std::string poseOf(uint32_t groom_id) { return "STRANDCAST_POSE_" + std::to_string(groom_id); }
+  const std::string groom, bodies, colliders, guides, pose, command, reader;
   const std::string status = "STRANDCAST_STATUS";
 };
 
@@ -79,6 +81,8 @@ inline constexpr std::chrono::milliseconds kLcmSilence{3000};
 /// Both ends over any link; options.url is ignored.
 std::unique_ptr<Publisher> makeLcmPublisher(std::shared_ptr<MessageLink> link, const LcmOptions& options);
 std::unique_ptr<Subscriber> makeLcmSubscriber(std::shared_ptr<MessageLink> link, const LcmOptions& options);
+std::unique_ptr<PoseSender> makeLcmPoseSender(std::shared_ptr<MessageLink> link, const LcmOptions& options,
+                                              const std::vector<uint32_t>& further_grooms = {});
 
 /// Whether the url names a log file that is written.
 bool isWrittenLog(const std::string& url);

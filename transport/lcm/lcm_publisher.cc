@@ -14,6 +14,7 @@
 #include "transport/lcm/lcm_ends.h"
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"
+#include "transport/pose_inbox.h"
 #include "transport/publisher.h"
 
 namespace strandcast {
@@ -35,9 +36,11 @@ class LcmPublisher final : public Publisher {
   LcmPublisher(std::shared_ptr<MessageLink> link, const LcmOptions& options)
       : options_(options),
         channels_(options.groom_id),
+        poses_(options.groom_id),
         announced_(options.groom_id, options.session, options.codec),
         link_(std::move(link)) {
     subscriptions_ = link_->listen({{channels_.command, [this](auto message) { receiveCommand(message); }},
+                                    {channels_.pose, [this](auto message) { receivePoses(message); }},
                                     {channels_.reader, [this](auto message) { receiveHeartbeat(message); }},
                                     {channels_.status, [this](auto message) { receiveStatus(message); }}});
     publishStatus({});      // so that rivals learn of this session at once
@@ -117,6 +120,7 @@ class LcmPublisher final : public Publisher {
   }
 
   std::optional<Command> takeCommand() override { return commands_.take(); }
+  std::optional<PoseSamples> takePoses() override { return poses_.take(); }
 
   uint32_t matchedReaders() const override {
     const std::lock_guard lock(mutex_);
@@ -151,6 +155,11 @@ class LcmPublisher final : public Publisher {
         return link_->send(channels_.status, answer->second);
     }
     commands_.push(std::move(command));
+  }
+
+  void receivePoses(std::span<const uint8_t> message) {
+    PoseSamples samples;
+    if (fromBytes(message, samples)) poses_.push(std::move(samples));
   }
 
   void receiveHeartbeat(std::span<const uint8_t> message) {
@@ -237,6 +246,7 @@ class LcmPublisher final : public Publisher {
   const LcmOptions options_;
   const LcmChannels channels_;
   CommandQueue commands_;
+  PoseInbox poses_;
   AnnouncedGroom announced_;
   std::vector<uint8_t> guide_message_;
 
