@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "transport/codec/codec.h"
+#include "transport/pose_sender.h"
 #include "transport/subscriber.h"
 
 namespace strandcast {
@@ -65,10 +66,16 @@ bool ddsAvailable(std::string* reason = nullptr);
 /// domain. Ports: 7400 + 250 * domain (UDP multicast 239.255.0.1, discovery) and those that follow. Frames of
 /// 1 MB or less need net.core.rmem_max >= 4194304 on the reader's machine to survive bursts without repair.
 ///
-/// Both throw Error when an option is out of range or the participant cannot be created: no network
+/// A sender of poses moves the head and bodies of options.groom_id and of further grooms that one character
+/// wears (its beard). A daemon that it has not found yet misses the samples until then. With keys it needs
+/// those of a poser or a renderer.
+///
+/// All throw Error when an option is out of range or the participant cannot be created: no network
 /// interface, a discovery port held by a program that does not share it, keys that are missing, not valid now
 /// or do not match. A subscriber whose keys permit reading only throws Error from send().
 std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions& options);
 std::unique_ptr<Subscriber> makeDdsSubscriber(const DdsOptions& options);
+std::unique_ptr<PoseSender> makeDdsPoseSender(const DdsOptions& options,
+                                              const std::vector<uint32_t>& further_grooms = {});
 
 }  // namespace strandcast

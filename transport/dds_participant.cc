@@ -76,6 +76,7 @@ const TopicProfile kGroomTopic{"strandcast/groom", true, 1, kMaxChunks, true, fa
 const TopicProfile kBodiesTopic{"strandcast/bodies", true, 1, kMaxChunks, true, false, true};
 const TopicProfile kCollidersTopic{"strandcast/colliders", true, 1, kMaxChunks, true, false, true};
 const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true};
+const TopicProfile kPoseTopic{"strandcast/pose", false, 16, 64, true};
 const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
 const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false, false, true};
 const TopicProfile kClaimTopic{"strandcast/claim", false, 1, 4, true, true};
@@ -345,7 +346,8 @@ DdsNetwork::DdsNetwork(const DdsOptions& options)
 }
 
 DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id,
-                               const std::optional<DdsRole>& role, DdsNeighbours* neighbours)
+                               const std::optional<DdsRole>& role, DdsNeighbours* neighbours,
+                               const std::vector<uint32_t>& further_grooms)
     : domain_(network.domain), keys_(network.keys) {
   const int domain = network.domain;
   if (domain < 0 || domain > kMaxDomain) {
@@ -363,13 +365,15 @@ DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id,
         static_cast<dds::DomainId_t>(domain), qos, neighbours, dds::StatusMask::none());
   }
   if (!participant_) fail("no DDS participant can be made");
-  const std::string partition = "groom" + std::to_string(groom_id);
+  const auto partition = [](uint32_t of) { return "groom" + std::to_string(of); };
   dds::PublisherQos publisher_qos;
   dds::SubscriberQos subscriber_qos;
   common_publisher_ = participant_->create_publisher(publisher_qos);
   common_subscriber_ = participant_->create_subscriber(subscriber_qos);
-  publisher_qos.partition().push_back(partition.c_str());
-  subscriber_qos.partition().push_back(partition.c_str());
+  publisher_qos.partition().push_back(partition(groom_id).c_str());
+  for (const uint32_t further : further_grooms)
+    publisher_qos.partition().push_back(partition(further).c_str());
+  subscriber_qos.partition().push_back(partition(groom_id).c_str());
   groom_publisher_ = participant_->create_publisher(publisher_qos);
   groom_subscriber_ = participant_->create_subscriber(subscriber_qos);
   if (!common_publisher_ || !common_subscriber_ || !groom_publisher_ || !groom_subscriber_) {
@@ -450,6 +454,21 @@ dds::DataWriter* DdsParticipant::createWriterIfPermitted(const TopicProfile& pro
 
 dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::TopicDataType* type,
                                               dds::DataReaderListener* listener, bool is_reliable) {
+  dds::DataReader* const reader = makeReader(profile, type, listener, is_reliable);
+  if (!reader) fail(std::string("no reader of ") + profile.name + " can be made");
+  return reader;
+}
+
+dds::DataReader* DdsParticipant::createReaderIfPermitted(const TopicProfile& profile,
+                                                         dds::TopicDataType* type,
+                                                         dds::DataReaderListener* listener) {
+  if (keys_.empty()) return createReader(profile, type, listener);
+  const ScopedLogMute silence;  // as in createWriterIfPermitted()
+  return makeReader(profile, type, listener, true);
+}
+
+dds::DataReader* DdsParticipant::makeReader(const TopicProfile& profile, dds::TopicDataType* type,
+                                            dds::DataReaderListener* listener, bool is_reliable) {
   dds::DataReaderQos qos;
   setCommon(qos, profile);
   if (!is_reliable) qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
@@ -459,11 +478,9 @@ dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::
   if (profile.is_withdrawn)
     qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   dds::Subscriber* subscriber = profile.is_per_groom ? groom_subscriber_ : common_subscriber_;
-  dds::DataReader* reader = subscriber->create_datareader(topic(profile, type), qos, listener,
-                                                          dds::StatusMask::data_available()
-                                                              << dds::StatusMask::subscription_matched());
-  if (!reader) fail(std::string("no reader of ") + profile.name + " can be made");
-  return reader;
+  return subscriber->create_datareader(topic(profile, type), qos, listener,
+                                       dds::StatusMask::data_available()
+                                           << dds::StatusMask::subscription_matched());
 }
 
 }  // namespace strandcast

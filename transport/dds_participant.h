@@ -38,7 +38,7 @@ struct TopicProfile {
   bool is_exclusive = false;  // readers get the samples of the strongest live writer only
   bool is_withdrawn = false;  // writers dispose of their samples when they stop casting
 };
-extern const TopicProfile kGroomTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kCommandTopic,
+extern const TopicProfile kGroomTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kPoseTopic, kCommandTopic,
     kStatusTopic, kClaimTopic, kShowTopic;
 
 /// Transport and discovery of a participant.
@@ -59,9 +59,10 @@ struct DdsNetwork {
 class DdsParticipant {
  public:
   /// States `role` in its user data, but not with keys: user data is not encrypted. `neighbours` (may be
-  /// null) learns of other participants and must outlive this. Throws Error as makeDdsPublisher().
+  /// null) learns of other participants and must outlive this. Writers reach `further_grooms` too. Throws
+  /// Error as makeDdsPublisher().
   DdsParticipant(const DdsNetwork& network, uint32_t groom_id, const std::optional<DdsRole>& role = {},
-                 DdsNeighbours* neighbours = nullptr);
+                 DdsNeighbours* neighbours = nullptr, const std::vector<uint32_t>& further_grooms = {});
   ~DdsParticipant();
   DdsParticipant(const DdsParticipant&) = delete;
   DdsParticipant& operator=(const DdsParticipant&) = delete;
@@ -80,12 +81,20 @@ class DdsParticipant {
                                                    eprosima::fastdds::dds::TopicDataType* type,
                                                    eprosima::fastdds::dds::DataReaderListener* listener,
                                                    bool is_reliable = true);
+  /// As createReader(); null where the participant has keys that do not permit the topic.
+  eprosima::fastdds::dds::DataReader* createReaderIfPermitted(
+      const TopicProfile& profile, eprosima::fastdds::dds::TopicDataType* type,
+      eprosima::fastdds::dds::DataReaderListener* listener);
 
  private:
   eprosima::fastdds::dds::DataWriter* makeWriter(const TopicProfile& profile,
                                                  eprosima::fastdds::dds::TopicDataType* type,
                                                  eprosima::fastdds::dds::DataWriterListener* listener,
                                                  uint32_t strength);
+  eprosima::fastdds::dds::DataReader* makeReader(const TopicProfile& profile,
+                                                 eprosima::fastdds::dds::TopicDataType* type,
+                                                 eprosima::fastdds::dds::DataReaderListener* listener,
+                                                 bool is_reliable);
   eprosima::fastdds::dds::Topic* topic(const TopicProfile& profile,
                                        eprosima::fastdds::dds::TopicDataType* type);
   [[noreturn]] void fail(const std::string& what);

@@ -11,6 +11,7 @@
 #include "transport/dds_claim.h"
 #include "transport/dds_participant.h"
 #include "transport/dds_type.h"
+#include "transport/pose_inbox.h"
 
 namespace strandcast {
 namespace {
@@ -32,11 +33,13 @@ class DdsPublisher final : public Publisher {
  public:
   explicit DdsPublisher(const DdsOptions& options)
       : options_(options),
+        poses_(options.groom_id),
         announced_(options.groom_id, options.session, options.codec),
         command_listener_([this](Command& command, const auto&) { receive(command); }),
         status_listener_([this](Status& status, const auto& writer) { receive(status, writer); },
                          {.left = [this](const auto& writer) { others_.remove(writer); },
                           .disposed = [this](const auto& writer) { others_.remove(writer); }}),
+        pose_listener_([this](PoseSamples& samples, const auto&) { poses_.push(std::move(samples)); }),
         show_listener_([this](ShowChunk& chunk, const auto&) { receive(chunk); }),
         state_shows_(options.groom_id, ShowChunk::kState),
         hair_shows_(options.groom_id, ShowChunk::kStateAndHair),
@@ -46,6 +49,7 @@ class DdsPublisher final : public Publisher {
     if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim, neighbours_);
     participant_.createReader(kStatusTopic, new WireType<Status>, &status_listener_);
     participant_.createReader(kCommandTopic, new WireType<Command>, &command_listener_);
+    participant_.createReaderIfPermitted(kPoseTopic, new WireType<PoseSamples>, &pose_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new WireType<Status>, nullptr);
     groom_writer_ = participant_.createWriter(kGroomTopic, new WireType<GroomChunk>, nullptr);
     body_writer_ = participant_.createWriter(kBodiesTopic, new WireType<BodyChunk>, nullptr);
@@ -104,6 +108,8 @@ class DdsPublisher final : public Publisher {
     if (command && claim_ && claim_->turn() != 0 && relay_ != nullptr) relay_->write(&*command);
     return command;
   }
+
+  std::optional<PoseSamples> takePoses() override { return poses_.take(); }
 
   CastingState castingState() const override {
     return claim_ ? claim_->castingState() : CastingState::kUnshared;
@@ -271,6 +277,7 @@ class DdsPublisher final : public Publisher {
 
   const DdsOptions options_;
   CommandQueue commands_;
+  PoseInbox poses_;
   StatusBoard others_;  // of this groom
   AnnouncedGroom announced_;
   uint32_t groom_chunks_ = 0, body_chunks_ = 0, collider_chunks_ = 0;
@@ -282,6 +289,7 @@ class DdsPublisher final : public Publisher {
   MatchCounter readers_;
   SampleListener<Command> command_listener_;
   SampleListener<Status> status_listener_;
+  SampleListener<PoseSamples> pose_listener_;
   MatchCounter sharers_;
   std::mutex show_mutex_;  // guards the shows received
   SampleListener<ShowChunk> show_listener_;

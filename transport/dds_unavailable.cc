@@ -20,5 +20,6 @@ bool ddsAvailable(std::string* reason) {
 
 std::unique_ptr<Publisher> makeDdsPublisher(const DdsOptions&) { refuse(); }
 std::unique_ptr<Subscriber> makeDdsSubscriber(const DdsOptions&) { refuse(); }
+std::unique_ptr<PoseSender> makeDdsPoseSender(const DdsOptions&, const std::vector<uint32_t>&) { refuse(); }
 
 }  // namespace strandcast

@@ -173,7 +173,7 @@ class InProcessPoseSender final : public PoseSender {
       : PoseSender(channel->groom_id, 1), channel_(std::move(channel)) {}
 
  private:
-  void write(const PoseSamples& message) override { channel_->poses.push(message); }
+  void write(PoseSamples& message) override { channel_->poses.push(message); }
   std::shared_ptr<Channel> channel_;
 };
 

@@ -64,7 +64,7 @@ class PoseSender {
     uint64_t time = 0;
     std::vector<float> poses, scales, weights;
   };
-  virtual void write(const PoseSamples& message) = 0;
+  virtual void write(PoseSamples& message) = 0;  // not const: Fast DDS takes no const samples
   /// The message of the newest samples that fit it.
   void fillMessage();
 

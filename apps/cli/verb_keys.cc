@@ -24,7 +24,9 @@ const char* rightsOf(KeyRole role) {
     case KeyRole::kDaemon:
       return "publishes and obeys";
     case KeyRole::kRenderer:
-      return "reads and commands";
+      return "reads, commands and sends poses";
+    case KeyRole::kPoser:
+      return "sends poses";
     case KeyRole::kReader:
       break;
   }
@@ -58,7 +60,8 @@ Verb addKeys(CLI::App& app) {
   const auto o = std::make_shared<KeysOptions>();
   app.footer(
       "Makes what --profile secure needs: a test CA, and one folder of keys each for a daemon, for a "
-      "renderer, which may also command, and for a reader, which may only read. Copy to each machine only "
+      "renderer, which may also command and send poses, for a poser, which may only send poses, and for a "
+      "reader, which may only read. Copy to each machine only "
       "the folder that it needs, over a secure channel.\n"
       "Example:\n"
       "  strandcast keys KEYS\n"
@@ -71,7 +74,7 @@ Verb addKeys(CLI::App& app) {
       "  identity_ca.cert.pem     certificate of the CA that signs identities\n"
       "  permissions_ca.cert.pem  certificate of the CA that signs the two documents; may be the same\n"
       "  governance.p7s           the same for all programs: KEYS/ca/governance.xml as it is\n"
-      "  permissions.p7s          KEYS/renderer/permissions.xml, or daemon's or reader's, with the program's "
+      "  permissions.p7s          KEYS/renderer/permissions.xml, or another role's, with the program's "
       "own subject_name and validity, and optionally fewer domains and partitions (groom7 is groom id 7)\n"
       "Sign a document with `openssl smime -sign -text -in permissions.xml -out permissions.p7s -signer "
       "permissions_ca.cert.pem -inkey PERMISSIONS_CA_KEY`. The holder of the CA's key can impersonate any "

@@ -4,8 +4,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <thread>
 
 #include "core/error.h"
@@ -44,6 +46,7 @@ TEST(DdsBuild, SaysWhyWhenThereIsNone) {
     EXPECT_NE(reason, "");
     EXPECT_THROW(makeDdsPublisher({0, 1, 1, {Codec::kFloat32}}), Error);
     EXPECT_THROW(makeDdsSubscriber({0, 1, 0, {}}), Error);
+    EXPECT_THROW(makeDdsPoseSender({0, 1, 0, {}}), Error);
   }
 }
 
@@ -115,6 +118,49 @@ TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {
   EXPECT_EQ(subscriber->status()->backend, "simd") << "what does not fit is dropped";
   EXPECT_EQ(subscriber->status()->session, 11u);
   EXPECT_FALSE(publisher->conflict()) << "its own status is no conflict";
+}
+
+TEST_F(Dds, PosesReachTheGroomsOfACharacter) {
+  const int domain = testDomain(9);
+  const auto head = makeDdsPublisher({domain, 1, 11, {}}), beard = makeDdsPublisher({domain, 2, 12, {}}),
+             other = makeDdsPublisher({domain, 3, 13, {}});
+  const auto one = makeDdsPoseSender({domain, 1, 0, {}}), both = makeDdsPoseSender({domain, 1, 0, {}}, {2});
+  uint64_t time = 0;
+  const auto sendAll = [&] {
+    const Pose pose{Vec3(static_cast<float>(++time) / 100, 0, 0), Quat(0.8f, 0, 0.6f, 0)};
+    for (PoseSender* const sender : {one.get(), both.get()}) sender->send(time, {&pose, 1});
+  };
+  for (PoseSender* const sender : {one.get(), both.get()}) sender->setNames({"head"});
+  std::map<std::pair<Publisher*, uint64_t>, std::vector<PoseSamples>> arrived;
+  const auto takeAll = [&] {
+    for (Publisher* const publisher : {head.get(), beard.get(), other.get()})
+      while (std::optional<PoseSamples> taken = publisher->takePoses())
+        arrived[{publisher, taken->source}].push_back(std::move(*taken));
+  };
+  ASSERT_TRUE(becomesTrue([&] {
+    sendAll();
+    takeAll();
+    return arrived.size() == 3;
+  })) << "once they have found each other";
+  const uint64_t found = time;
+  for (int i = 0; i < 100; ++i) sendAll();
+  const auto areComplete = [&] {
+    takeAll();
+    return std::all_of(arrived.begin(), arrived.end(),
+                       [&](const auto& of) { return of.second.back().time == time; });
+  };
+  ASSERT_TRUE(becomesTrue(areComplete));
+  ASSERT_EQ(arrived.size(), 3u);
+  EXPECT_TRUE(arrived.contains({head.get(), one->source()}));
+  EXPECT_TRUE(arrived.contains({head.get(), both->source()}));
+  EXPECT_TRUE(arrived.contains({beard.get(), both->source()}));
+  for (const auto& [of, all] : arrived) {
+    EXPECT_LE(all.front().time, found);
+    for (size_t i = 0; i < all.size(); ++i) {
+      ASSERT_EQ(all[i].time, all[0].time + i) << "each in its order";
+      EXPECT_EQ(all[i].poses[0], static_cast<float>(all[i].time) / 100);
+    }
+  }
 }
 
 TEST_F(Dds, FramesThatBuildOnEachOtherReachEarlyAndLateReaders) {

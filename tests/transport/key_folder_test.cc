@@ -42,7 +42,7 @@ class KeyFolder : public testing::Test {
 };
 
 TEST_F(KeyFolder, TestKeysAreSoundAndPrivate) {
-  ASSERT_EQ(identities_.size(), 3u);
+  ASSERT_EQ(identities_.size(), 4u);
   for (const TestIdentity& identity : identities_) {
     EXPECT_EQ(errorOf([&] { checkKeyFolder(identity.folder); }), "");
     EXPECT_EQ(fs::status(identity.folder / kPrivateKey).permissions(),

@@ -154,7 +154,7 @@ class KeptPoses final : public PoseSender {
   const std::vector<PoseSamples>& messages() const { return messages_; }
 
  private:
-  void write(const PoseSamples& message) override {
+  void write(PoseSamples& message) override {
     EXPECT_TRUE(isSound(message));
     messages_.push_back(message);
   }

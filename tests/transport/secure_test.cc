@@ -9,6 +9,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "dds_domain.h"
@@ -19,6 +20,7 @@
 #include "transport/publisher.h"
 #include "transport/security/key_folder.h"
 #include "transport/security/test_authority.h"
+#include "true_within.h"
 
 namespace strandcast {
 namespace {
@@ -88,17 +90,22 @@ TEST_F(Secure, WhoIsKnownReadsAndCommandsAsPermitted) {
   EXPECT_EQ(daemon->results().at("command"), 102) << "the first that it got";
 }
 
+/// Signs a document with the test CA's key.
+void sign(const fs::path& keys, const std::string& document, const fs::path& file) {
+  const fs::path ca = keys / "ca", unsigned_file = file.string() + ".xml";
+  std::ofstream(unsigned_file) << document;
+  const std::string command = "openssl smime -sign -text -in " + unsigned_file.string() + " -out " +
+                              file.string() + " -signer " + (ca / kCertificate).string() + " -inkey " +
+                              (ca / kPrivateKey).string();
+  ASSERT_EQ(std::system(command.c_str()), 0) << "is there no openssl program?";
+}
+
 /// Replaces the test CA's governance by one without write access control, in `folder`.
-void allowEverything(const fs::path& keys, const fs::path& scratch, const fs::path& folder) {
+void allowEverything(const fs::path& keys, const fs::path& folder) {
   std::string governance = governanceXml();
   const std::string rule = "<enable_write_access_control>true";
   governance.replace(governance.find(rule), rule.size(), "<enable_write_access_control>false");
-  std::ofstream(scratch) << governance;
-  const fs::path ca = keys / "ca";
-  const std::string sign = "openssl smime -sign -text -in " + scratch.string() + " -out " +
-                           (folder / kGovernance).string() + " -signer " + (ca / kCertificate).string() +
-                           " -inkey " + (ca / kPrivateKey).string();
-  ASSERT_EQ(std::system(sign.c_str()), 0) << "is there no openssl program?";
+  sign(keys, governance, folder / kGovernance);
 }
 
 TEST_F(Secure, WhoIsNotKnownHearsNothingAndWhoIsNotPermittedMovesNothing) {
@@ -110,7 +117,7 @@ TEST_F(Secure, WhoIsNotKnownHearsNothingAndWhoIsNotPermittedMovesNothing) {
   const auto stranger = makeDdsSubscriber({domain, 1, 0, {}});
   const auto foreigner = makeDdsSubscriber(secured(domain, scratch_ / "foreign" / "renderer"));
   // A program that ignores its own governance is still bound by that of the others.
-  allowEverything(keys_, scratch_ / "governance.xml", keys_ / "reader");
+  allowEverything(keys_, keys_ / "reader");
   const auto cheat = makeDdsSubscriber(secured(domain, keys_ / "reader"));
   EXPECT_TRUE(cheat->mayCommand()) << "by its own rules";
   const auto refusal = [](Subscriber& subscriber) { return errorOf([&] { subscriber.send(commandOf(7)); }); };
@@ -132,6 +139,44 @@ TEST_F(Secure, WhoIsNotKnownHearsNothingAndWhoIsNotPermittedMovesNothing) {
   good->send(commandOf(8));
   ASSERT_TRUE(daemon->waitFor("command")) << daemon->text();
   EXPECT_EQ(daemon->results().at("command"), 8) << "the first that it got";
+}
+
+TEST_F(Secure, OnlyThosePermittedSendPoses) {
+  const int domain = testDomain(6);
+  const auto daemon = makeDdsPublisher(secured(domain, keys_ / "daemon", 5));
+  const auto poser = makeDdsPoseSender(secured(domain, keys_ / "poser")),
+             renderer = makeDdsPoseSender(secured(domain, keys_ / "renderer"));
+  EXPECT_NE(errorOf([&] { makeDdsPoseSender(secured(domain, keys_ / "reader")); }).find("with these keys"),
+            std::string::npos);
+  EXPECT_NE(errorOf([&] { makeDdsPublisher(secured(domain, keys_ / "poser", 6)); }).find("with these keys"),
+            std::string::npos);
+  allowEverything(keys_, keys_ / "reader");
+  const auto cheat = makeDdsPoseSender(secured(domain, keys_ / "reader"));
+  const Pose pose;
+  for (PoseSender* const sender : {poser.get(), renderer.get(), cheat.get()}) sender->setNames({"head"});
+  std::set<uint64_t> heard;
+  uint64_t time = 0;
+  EXPECT_TRUE(trueWithin(milliseconds(12000), [&] {
+    ++time;
+    for (PoseSender* const sender : {poser.get(), renderer.get(), cheat.get()})
+      sender->send(time, {&pose, 1});
+    while (const std::optional<PoseSamples> taken = daemon->takePoses()) heard.insert(taken->source);
+    return heard.contains(poser->source()) && heard.contains(renderer->source());
+  }));
+  EXPECT_FALSE(heard.contains(cheat->source())) << "by the daemon's rules";
+}
+
+TEST_F(Secure, ADaemonWithKeysFromBeforePosesCasts) {
+  std::ifstream file(keys_ / "daemon" / "permissions.xml");
+  std::string old;
+  for (std::string line; std::getline(file, line);)
+    if (line.find("strandcast/pose") == std::string::npos) old += line + '\n';
+  sign(keys_, old, keys_ / "daemon" / kPermissions);
+  const int domain = testDomain(7);
+  const auto daemon = makeDdsPublisher(secured(domain, keys_ / "daemon", 5));
+  EXPECT_FALSE(daemon->takePoses());
+  const auto reader = makeDdsSubscriber(secured(domain, keys_ / "reader"));
+  EXPECT_TRUE(trueWithin(milliseconds(12000), [&] { return reader->status().has_value(); }));
 }
 
 TEST_F(Secure, KeysThatDoNotFitAreRefusedAtOnce) {

@@ -17,7 +17,7 @@ class LcmPoseSender final : public PoseSender {
       : PoseSender(groom_id, kSamples), link_(std::move(link)), channels_(std::move(channels)) {}
 
  private:
-  void write(const PoseSamples& message) override {
+  void write(PoseSamples& message) override {
     toBytes(message, bytes_);
     for (const std::string& channel : channels_) link_->send(channel, bytes_);
   }

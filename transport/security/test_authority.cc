@@ -41,11 +41,13 @@ std::string rules(KeyRole role) {
   switch (role) {
     case KeyRole::kDaemon:
       return ofGrooms("publish", {"groom", "bodies", "colliders", "guides", "claim", "show"}) +
-             criteria("publish", "status", "") + ofGrooms("subscribe", {"command", "claim", "show"}) +
+             criteria("publish", "status", "") + ofGrooms("subscribe", {"command", "pose", "claim", "show"}) +
              hears_status;
     case KeyRole::kRenderer:
-      return ofGrooms("publish", {"command"}) +
+      return ofGrooms("publish", {"command", "pose"}) +
              ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;
+    case KeyRole::kPoser:
+      return ofGrooms("publish", {"pose"}) + hears_status;
     case KeyRole::kReader:
       break;
   }
@@ -69,6 +71,8 @@ const char* nameOf(KeyRole role) {
       return "daemon";
     case KeyRole::kRenderer:
       return "renderer";
+    case KeyRole::kPoser:
+      return "poser";
     case KeyRole::kReader:
       break;
   }
@@ -265,7 +269,7 @@ std::vector<TestIdentity> makeTestKeys(const std::filesystem::path& folder, int 
 
   const std::time_t now = std::time(nullptr);
   std::vector<TestIdentity> identities;
-  for (const KeyRole role : {KeyRole::kDaemon, KeyRole::kRenderer, KeyRole::kReader}) {
+  for (const KeyRole role : {KeyRole::kDaemon, KeyRole::kRenderer, KeyRole::kPoser, KeyRole::kReader}) {
     const std::string name = std::string("strandcast ") + nameOf(role);
     const std::filesystem::path own = made.path() / nameOf(role);
     made.make(own);

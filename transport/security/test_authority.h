@@ -9,11 +9,12 @@ namespace strandcast {
 /// Permissions of a program with the profile `secure`.
 enum class KeyRole {
   kDaemon,    ///< casts grooms, shares them with other daemons, executes commands
-  kRenderer,  ///< reads everything, sends commands
+  kRenderer,  ///< reads everything, sends commands and poses
+  kPoser,     ///< sends poses, hears statuses
   kReader     ///< reads everything
 };
 
-/// "daemon", "renderer" or "reader".
+/// "daemon", "renderer", "poser" or "reader".
 const char* nameOf(KeyRole role);
 
 /// The unsigned documents of OMG DDS Security 1.1, section 9.4.
