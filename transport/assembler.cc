@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <utility>
 
 #include "transport/chunks.h"
+#include "transport/codec/hair_codec.h"
 
 namespace strandcast {
 namespace {
@@ -98,6 +100,35 @@ std::shared_ptr<const GroomDescription> build(const std::map<uint32_t, GroomChun
   groom->name = first.name;
   groom->hair_radius = first.hair_radius;
   return groom;
+}
+
+// ---- hairs
+
+bool isSoundAlone(const HairChunk& chunk) {
+  return chunk.session != 0 && chunk.chunk_count >= 1 && chunk.chunk_count <= kMaxChunks &&
+         chunk.chunk_index < chunk.chunk_count && isSoundHead(chunk) && chunk.total_hairs <= kMaxHairs &&
+         isWithin(chunk.first_hair, chunk.hair_count, chunk.total_hairs) &&
+         isWithin(chunk.first_vertex, chunk.vertex_count, chunk.total_vertices) &&
+         chunk.payload.size() <= kMaxChunkBytes;
+}
+
+bool agree(const HairChunk& a, const HairChunk& b) {
+  return a.chunk_count == b.chunk_count && a.total_hairs == b.total_hairs &&
+         a.total_vertices == b.total_vertices && a.arrays == b.arrays && a.encoding == b.encoding &&
+         a.step == b.step && a.radius_step == b.radius_step && a.uv_box == b.uv_box;
+}
+
+/// Null unless the chunks are consecutive and make up the totals. Moves their payloads.
+std::shared_ptr<const HairChunks> build(std::map<uint32_t, HairChunk>&& chunks) {
+  auto all = std::make_shared<HairChunks>();
+  uint64_t hairs = 0, vertices = 0;
+  for (auto& [index, chunk] : chunks) {
+    if (chunk.first_hair != hairs || chunk.first_vertex != vertices) return nullptr;
+    hairs += chunk.hair_count;
+    vertices += chunk.vertex_count;
+    all->push_back(std::move(chunk));
+  }
+  return hairs == all->front().total_hairs && vertices == all->front().total_vertices ? all : nullptr;
 }
 
 // ---- body
@@ -234,7 +265,7 @@ std::shared_ptr<const Description> DescriptionAssembler<Chunk, Description>::add
   const uint32_t chunk_count = chunk.chunk_count, index = chunk.chunk_index;
   pending->chunks.emplace(index, std::move(chunk));  // a repeated chunk changes nothing
   if (pending->chunks.size() < chunk_count) return nullptr;
-  std::shared_ptr<const Description> description = build(pending->chunks);
+  std::shared_ptr<const Description> description = build(std::move(pending->chunks));
   if (!description) chunks_rejected_ += chunk_count;
   pending_.pop_front();
   return description;
@@ -243,6 +274,37 @@ std::shared_ptr<const Description> DescriptionAssembler<Chunk, Description>::add
 template class DescriptionAssembler<GroomChunk, GroomDescription>;
 template class DescriptionAssembler<BodyChunk, BodyDescription>;
 template class DescriptionAssembler<ColliderChunk, ColliderSet>;
+template class DescriptionAssembler<HairChunk, HairChunks>;
+
+std::shared_ptr<const HairDescription> HairAssembler::add(HairChunk&& chunk) {
+  auto complete = chunks_.add(std::move(chunk));
+  if (!complete) return nullptr;
+  waiting_ = std::move(complete);
+  return decode();
+}
+
+std::shared_ptr<const HairDescription> HairAssembler::setGroom(
+    std::shared_ptr<const GroomDescription> groom) {
+  groom_ = std::move(groom);
+  return decode();
+}
+
+std::shared_ptr<const HairDescription> HairAssembler::decode() {
+  if (!groom_ || !waiting_ || waiting_->front().session != groom_->session ||
+      waiting_->front().revision != groom_->revision)
+    return nullptr;
+  const auto chunks = std::exchange(waiting_, nullptr);
+  auto hairs = std::make_shared<HairDescription>();
+  hairs->groom_id = groom_->groom_id;
+  hairs->session = groom_->session;
+  hairs->revision = groom_->revision;
+  for (const HairChunk& chunk : *chunks) {
+    if (decodeHairs(chunk, groom_->guides, *hairs)) continue;
+    chunks_rejected_ += chunks->size();
+    return nullptr;
+  }
+  return hairs;
+}
 
 // ---- frames
 

@@ -59,8 +59,8 @@ class FrameSequence {
 /// it is used. Memory grows with the bytes received, never with the counts in a chunk. Not thread-safe.
 
 /// Collects the chunks of up to two descriptions of different session or revision; a third replaces the one
-/// that was fed least recently. `Chunk` is GroomChunk, BodyChunk or ColliderChunk; `Description` is the
-/// description that it is a part of.
+/// that was fed least recently. `Chunk` is GroomChunk, BodyChunk, ColliderChunk or HairChunk;
+/// `Description` is what it is a part of.
 template <class Chunk, class Description>
 class DescriptionAssembler {
  public:
@@ -79,9 +79,33 @@ class DescriptionAssembler {
   uint64_t chunks_rejected_ = 0;
 };
 
+/// All chunks of a groom's hairs, in order.
+using HairChunks = std::vector<HairChunk>;
+
 using GroomAssembler = DescriptionAssembler<GroomChunk, GroomDescription>;
 using BodyAssembler = DescriptionAssembler<BodyChunk, BodyDescription>;
 using ColliderAssembler = DescriptionAssembler<ColliderChunk, ColliderSet>;
+
+/// Assembles the hairs that follow the guides of a groom. They decode against the guides: complete hairs
+/// wait, encoded, for the groom of their session and revision.
+class HairAssembler {
+ public:
+  explicit HairAssembler(uint32_t groom_id) : chunks_(groom_id) {}
+  /// The hairs of the groom that was set, when this chunk completed them; else null.
+  std::shared_ptr<const HairDescription> add(HairChunk&& chunk);
+  /// The hairs of this groom, where they are waiting; else null. Precondition: an assembler made `groom`, or
+  /// checkAnnouncement() accepted it.
+  std::shared_ptr<const HairDescription> setGroom(std::shared_ptr<const GroomDescription> groom);
+  uint64_t chunksRejected() const { return chunks_.chunksRejected() + chunks_rejected_; }
+
+ private:
+  std::shared_ptr<const HairDescription> decode();
+
+  DescriptionAssembler<HairChunk, HairChunks> chunks_;
+  std::shared_ptr<const HairChunks> waiting_;  // complete, and not decoded yet
+  std::shared_ptr<const GroomDescription> groom_;
+  uint64_t chunks_rejected_ = 0;
+};
 
 /// Assembles frames of one groom. Chunks that come before the groom are dropped and not counted.
 class GuideAssembler {

@@ -73,6 +73,7 @@ namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 
 const TopicProfile kGroomTopic{"strandcast/groom", true, 1, kMaxChunks, true, false, true};
+const TopicProfile kHairsTopic{"strandcast/hairs", true, 1, kMaxChunks, true, false, true};
 const TopicProfile kBodiesTopic{"strandcast/bodies", true, 1, kMaxChunks, true, false, true};
 const TopicProfile kCollidersTopic{"strandcast/colliders", true, 1, kMaxChunks, true, false, true};
 const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true};

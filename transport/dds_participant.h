@@ -38,8 +38,8 @@ struct TopicProfile {
   bool is_exclusive = false;  // readers get the samples of the strongest live writer only
   bool is_withdrawn = false;  // writers dispose of their samples when they stop casting
 };
-extern const TopicProfile kGroomTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kPoseTopic, kCommandTopic,
-    kStatusTopic, kClaimTopic, kShowTopic;
+extern const TopicProfile kGroomTopic, kHairsTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kPoseTopic,
+    kCommandTopic, kStatusTopic, kClaimTopic, kShowTopic;
 
 /// Transport and discovery of a participant.
 struct DdsNetwork {

@@ -52,6 +52,7 @@ class DdsPublisher final : public Publisher {
     participant_.createReaderIfPermitted(kPoseTopic, new WireType<PoseSamples>, &pose_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new WireType<Status>, nullptr);
     groom_writer_ = participant_.createWriter(kGroomTopic, new WireType<GroomChunk>, nullptr);
+    hair_writer_ = participant_.createWriter(kHairsTopic, new WireType<HairChunk>, nullptr);
     body_writer_ = participant_.createWriter(kBodiesTopic, new WireType<BodyChunk>, nullptr);
     collider_writer_ = participant_.createWriter(kCollidersTopic, new WireType<ColliderChunk>, nullptr);
     guide_writer_ = participant_.createWriter(kGuidesTopic, new WireType<GuideChunk>, &readers_);
@@ -71,8 +72,18 @@ class DdsPublisher final : public Publisher {
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
     AnnouncedGroom::Chunks chunks = announced_.chunksOf(groom, body);
     if (claim_) shared_ = chunks;
-    if (!claim_ || announced_turn_ != 0) write(std::move(chunks));
+    if (claim_) shared_hairs_.clear();
+    if (!claim_ || announced_turn_ != 0) {
+      write(std::move(chunks));
+      write(std::vector<HairChunk>());  // the last ones followed the last groom
+    }
     announced_.accept(groom);
+  }
+
+  void announceHairs(const HairDescription& hairs) override {
+    std::vector<HairChunk> chunks = announced_.chunksOf(hairs);
+    if (claim_) shared_hairs_ = chunks;
+    if (!claim_ || announced_turn_ != 0) write(std::move(chunks));
   }
 
   void announceColliders(const ColliderSet& colliders) override {
@@ -212,6 +223,10 @@ class DdsPublisher final : public Publisher {
     body_chunks_ = replace(*body_writer_, std::move(chunks.body), body_chunks_);
   }
 
+  void write(std::vector<HairChunk> chunks) {
+    hair_chunks_ = replace(*hair_writer_, std::move(chunks), hair_chunks_);
+  }
+
   void write(std::vector<ColliderChunk> chunks) {
     collider_chunks_ = replace(*collider_writer_, std::move(chunks), collider_chunks_);
   }
@@ -222,6 +237,7 @@ class DdsPublisher final : public Publisher {
     const uint64_t turn = claim_->turn();
     if (turn != announced_turn_) {
       write(turn != 0 ? shared_ : AnnouncedGroom::Chunks());
+      write(turn != 0 ? shared_hairs_ : std::vector<HairChunk>());
       write(turn != 0 ? shared_colliders_ : std::vector<ColliderChunk>());
       announced_turn_ = turn;
     }
@@ -280,8 +296,9 @@ class DdsPublisher final : public Publisher {
   PoseInbox poses_;
   StatusBoard others_;  // of this groom
   AnnouncedGroom announced_;
-  uint32_t groom_chunks_ = 0, body_chunks_ = 0, collider_chunks_ = 0;
+  uint32_t groom_chunks_ = 0, hair_chunks_ = 0, body_chunks_ = 0, collider_chunks_ = 0;
   AnnouncedGroom::Chunks shared_;  // announced when this daemon takes over
+  std::vector<HairChunk> shared_hairs_;
   std::vector<ColliderChunk> shared_colliders_;
   uint64_t announced_turn_ = 0;  // DdsClaim::turn() of the last announcement
   bool has_status_ = false;      // whether readers have a status of this session
@@ -303,6 +320,7 @@ class DdsPublisher final : public Publisher {
   DdsParticipant participant_;
   dds::DataWriter* status_writer_ = nullptr;
   dds::DataWriter* groom_writer_ = nullptr;
+  dds::DataWriter* hair_writer_ = nullptr;
   dds::DataWriter* body_writer_ = nullptr;
   dds::DataWriter* collider_writer_ = nullptr;
   dds::DataWriter* guide_writer_ = nullptr;

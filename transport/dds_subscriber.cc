@@ -38,6 +38,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
       : ReceivingSubscriber(options.groom_id, options.profile == DdsProfile::kBestEffort),
         options_(options),
         groom_listener_([this](GroomChunk& chunk, const auto&) { receive(std::move(chunk)); }),
+        hair_listener_([this](HairChunk& chunk, const auto&) { receive(std::move(chunk)); }),
         body_listener_([this](BodyChunk& chunk, const auto&) { receive(std::move(chunk)); }),
         collider_listener_([this](ColliderChunk& chunk, const auto&) { receive(std::move(chunk)); }),
         guide_listener_([this](GuideChunk& chunk, const auto&) { takeGuides(chunk); }),
@@ -101,6 +102,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
     participant_.emplace(network, options_.groom_id, DdsRole{false, options_.groom_id, false}, &neighbours_);
     if (options_.frames) {
       participant_->createReader(kGroomTopic, new WireType<GroomChunk>, &groom_listener_);
+      participant_->createReader(kHairsTopic, new WireType<HairChunk>, &hair_listener_);
       participant_->createReader(kBodiesTopic, new WireType<BodyChunk>, &body_listener_);
       participant_->createReader(kCollidersTopic, new WireType<ColliderChunk>, &collider_listener_);
       participant_->createReader(kGuidesTopic, new WireType<GuideChunk>, &guide_listener_,
@@ -180,6 +182,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   MatchCounter daemons_;
   DdsNeighbours neighbours_;
   SampleListener<GroomChunk> groom_listener_;
+  SampleListener<HairChunk> hair_listener_;
   SampleListener<BodyChunk> body_listener_;
   SampleListener<ColliderChunk> collider_listener_;
   SampleListener<GuideChunk> guide_listener_;

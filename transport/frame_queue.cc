@@ -53,6 +53,13 @@ bool FrameQueue::setColliders(std::shared_ptr<const ColliderSet> colliders) {
   return true;
 }
 
+void FrameQueue::setHairs(std::shared_ptr<const HairDescription> hairs) {
+  const std::lock_guard lock(mutex_);
+  if (hairs_ && hairs_->session == hairs->session && hairs->revision <= hairs_->revision) return;
+  hairs_ = std::move(hairs);
+  changed_.notify_all();
+}
+
 void FrameQueue::keep(size_t count) {
   const std::lock_guard lock(mutex_);
   kept_ = std::max<size_t>(count, 1);
@@ -69,8 +76,10 @@ void FrameQueue::push(std::shared_ptr<const GuideFrame> frame, double latency_ms
   changed_.notify_all();
 }
 
-bool FrameQueue::bodyFits() const {
-  return body_ && groom_ && body_->session == groom_->session && body_->revision == groom_->revision;
+template <class Description>
+bool FrameQueue::isOfGroom(const Description* description) const {
+  return description && groom_ && description->session == groom_->session &&
+         description->revision == groom_->revision;
 }
 
 std::shared_ptr<const GroomDescription> FrameQueue::groom() const {
@@ -80,12 +89,17 @@ std::shared_ptr<const GroomDescription> FrameQueue::groom() const {
 
 std::shared_ptr<const BodyDescription> FrameQueue::body() const {
   const std::lock_guard lock(mutex_);
-  return bodyFits() ? body_ : nullptr;
+  return isOfGroom(body_.get()) ? body_ : nullptr;
 }
 
 std::shared_ptr<const ColliderSet> FrameQueue::colliders() const {
   const std::lock_guard lock(mutex_);
   return colliders_ && groom_ && colliders_->session == groom_->session ? colliders_ : nullptr;
+}
+
+std::shared_ptr<const HairDescription> FrameQueue::hairs() const {
+  const std::lock_guard lock(mutex_);
+  return isOfGroom(hairs_.get()) ? hairs_ : nullptr;
 }
 
 std::shared_ptr<const GuideFrame> FrameQueue::frame() const {
@@ -124,7 +138,7 @@ std::shared_ptr<const GuideFrame> FrameQueue::waitForNext(const GuideFrame* last
 
 bool FrameQueue::waitForGroom(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, timeout, [&] { return bodyFits(); });
+  return changed_.wait_for(lock, timeout, [&] { return isOfGroom(body_.get()); });
 }
 
 void FrameQueue::addLatencies(ReceiveStatistics& statistics) const {

@@ -43,6 +43,8 @@ class FrameQueue {
   void setBody(std::shared_ptr<const BodyDescription> body);
   /// As setGroom(), but keeps frames.
   bool setColliders(std::shared_ptr<const ColliderSet> colliders);
+  /// As setBody().
+  void setHairs(std::shared_ptr<const HairDescription> hairs);
   /// As Subscriber::keepFrames().
   void keep(size_t count);
   /// Ignores a frame that does not fit groom(). A frame whose number is not above the newest restarts the
@@ -53,6 +55,7 @@ class FrameQueue {
   std::shared_ptr<const GroomDescription> groom() const;
   std::shared_ptr<const BodyDescription> body() const;
   std::shared_ptr<const ColliderSet> colliders() const;
+  std::shared_ptr<const HairDescription> hairs() const;
   std::shared_ptr<const GuideFrame> frame() const;
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, std::chrono::milliseconds timeout);
   std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last, std::chrono::milliseconds timeout);
@@ -61,7 +64,9 @@ class FrameQueue {
   void addLatencies(ReceiveStatistics& statistics) const;
 
  private:
-  bool bodyFits() const;
+  /// False for null.
+  template <class Description>
+  bool isOfGroom(const Description* description) const;
   /// The oldest frame that is newer than `reached(newest frame)`.
   template <class Reached>
   std::shared_ptr<const GuideFrame> waitBeyond(std::chrono::milliseconds timeout, const Reached& reached);
@@ -70,6 +75,7 @@ class FrameQueue {
   std::shared_ptr<const GroomDescription> groom_;
   std::shared_ptr<const BodyDescription> body_;   // newest; returned when it fits groom_
   std::shared_ptr<const ColliderSet> colliders_;  // newest; returned when it is of groom_'s session
+  std::shared_ptr<const HairDescription> hairs_;  // newest; returned when it fits groom_
   size_t kept_ = kFrameQueueLength;
   std::deque<std::shared_ptr<const GuideFrame>> frames_;  // at most kept_
   std::array<float, 1000> latencies_ms_{};

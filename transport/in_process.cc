@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "transport/chunks.h"
+#include "transport/codec/hair_codec.h"
 #include "transport/commands.h"
 #include "transport/frame_queue.h"
 #include "transport/pose_inbox.h"
@@ -51,6 +52,17 @@ class InProcessPublisher final : public Publisher {
       const std::lock_guard lock(channel_->mutex);
       channel_->newest_frame = 0;
     }
+  }
+
+  void announceHairs(const HairDescription& hairs) override {
+    if (!groom_)
+      throw Error("no groom was announced", "hairs of an in-process channel", "announce the groom first");
+    checkHairs(hairs, groom_->guides, "hairs of groom " + groom_->name);
+    auto own = std::make_shared<HairDescription>(hairs);
+    own->groom_id = groom_->groom_id;
+    own->session = groom_->session;
+    own->revision = groom_->revision;
+    channel_->queue.setHairs(std::move(own));
   }
 
   void announceColliders(const ColliderSet& colliders) override {
@@ -114,6 +126,7 @@ class InProcessSubscriber final : public Subscriber {
   const std::shared_ptr<Channel>& channel() const { return channel_; }
   std::shared_ptr<const GroomDescription> groom() const override { return channel_->queue.groom(); }
   std::shared_ptr<const BodyDescription> body() const override { return channel_->queue.body(); }
+  std::shared_ptr<const HairDescription> hairs() const override { return channel_->queue.hairs(); }
   std::shared_ptr<const ColliderSet> colliders() const override { return channel_->queue.colliders(); }
   std::shared_ptr<const GuideFrame> frame() const override { return channel_->queue.frame(); }
   void keepFrames(size_t count) override { channel_->queue.keep(count); }

@@ -59,6 +59,11 @@ class Publisher {
   /// revision and, over DDS, `session`. Throws Error on what a receiver would refuse: no strands, counts that
   /// do not match, non-finite numbers, a strand of more than kMaxWireVertices vertices.
   virtual void announce(const GroomDescription& groom, const BodyDescription& body) = 0;
+  /// Describes hairs that follow the guides of the groom announced last to all present and later readers,
+  /// until the next announce(). The channel sets `groom_id`, `revision` and `session`. Decoded positions are
+  /// within CodecOptions::hair_error. Throws Error as checkHairs() and encodeHairs()
+  /// (transport/codec/hair_codec.h), and where no groom was announced.
+  virtual void announceHairs(const HairDescription&) {}
   /// Describes the colliders to all present and later readers. Call again, with a higher revision, when they
   /// change. Poses of colliders that do not follow the head are in the frames. The channel sets `groom_id`
   /// and, over DDS and LCM, `session`. Throws Error on what a receiver would refuse: invalid shapes, two

@@ -14,8 +14,8 @@ ReceiveStatistics ReceivingSubscriber::statistics() const {
   {
     const std::lock_guard lock(mutex_);
     statistics = frames_.statistics();
-    statistics.chunks_rejected +=
-        grooms_.chunksRejected() + bodies_.chunksRejected() + colliders_.chunksRejected() + messages_damaged_;
+    statistics.chunks_rejected += grooms_.chunksRejected() + bodies_.chunksRejected() +
+                                  colliders_.chunksRejected() + hairs_.chunksRejected() + messages_damaged_;
   }
   queue_.addLatencies(statistics);
   return statistics;
@@ -24,7 +24,9 @@ ReceiveStatistics ReceivingSubscriber::statistics() const {
 void ReceivingSubscriber::receive(GroomChunk chunk) {
   const std::lock_guard lock(mutex_);
   const auto complete = grooms_.add(std::move(chunk));
-  if (complete && queue_.setGroom(complete)) frames_.setGroom(complete);
+  if (!complete || !queue_.setGroom(complete)) return;
+  frames_.setGroom(complete);
+  if (auto waiting = hairs_.setGroom(complete)) queue_.setHairs(std::move(waiting));
 }
 
 void ReceivingSubscriber::receive(BodyChunk chunk) {
@@ -36,6 +38,11 @@ void ReceivingSubscriber::receive(ColliderChunk chunk) {
   const std::lock_guard lock(mutex_);
   const auto complete = colliders_.add(std::move(chunk));
   if (complete && queue_.setColliders(complete)) frames_.setColliders(complete);
+}
+
+void ReceivingSubscriber::receive(HairChunk chunk) {
+  const std::lock_guard lock(mutex_);
+  if (auto complete = hairs_.add(std::move(chunk))) queue_.setHairs(std::move(complete));
 }
 
 void ReceivingSubscriber::receiveGuideChunk() {

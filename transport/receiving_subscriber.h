@@ -21,6 +21,7 @@ class ReceivingSubscriber : public Subscriber {
  public:
   std::shared_ptr<const GroomDescription> groom() const final { return queue_.groom(); }
   std::shared_ptr<const BodyDescription> body() const final { return queue_.body(); }
+  std::shared_ptr<const HairDescription> hairs() const final { return queue_.hairs(); }
   std::shared_ptr<const ColliderSet> colliders() const final { return queue_.colliders(); }
   std::shared_ptr<const GuideFrame> frame() const final { return queue_.frame(); }
   void keepFrames(size_t count) final { queue_.keep(count); }
@@ -50,11 +51,13 @@ class ReceivingSubscriber : public Subscriber {
         grooms_(groom_id),
         bodies_(groom_id),
         colliders_(groom_id),
+        hairs_(groom_id),
         frames_(conceals) {}
 
   void receive(GroomChunk chunk);
   void receive(BodyChunk chunk);
   void receive(ColliderChunk chunk);
+  void receive(HairChunk chunk);
   /// `read` fills the given chunk, whose memory is reused, and returns whether it is sound.
   template <class Read>
   void receiveGuides(const Read& read) {
@@ -82,6 +85,7 @@ class ReceivingSubscriber : public Subscriber {
   GroomAssembler grooms_;
   BodyAssembler bodies_;
   ColliderAssembler colliders_;
+  HairAssembler hairs_;
   GuideAssembler frames_;
   GuideChunk guide_chunk_;
   uint64_t messages_damaged_ = 0;

@@ -50,6 +50,8 @@ class Subscriber {
   virtual std::shared_ptr<const GroomDescription> groom() const = 0;
   /// The body that was announced with groom(), or null while it is incomplete.
   virtual std::shared_ptr<const BodyDescription> body() const = 0;
+  /// The hairs that follow the guides of groom(), or null: it has none, or they are incomplete.
+  virtual std::shared_ptr<const HairDescription> hairs() const = 0;
   /// The newest colliders of groom(), or null while they are incomplete. The pointer changes when they
   /// change.
   virtual std::shared_ptr<const ColliderSet> colliders() const = 0;

@@ -31,6 +31,8 @@ inline constexpr const char* kWireName = nullptr;
 template <>
 inline constexpr const char* kWireName<GroomChunk> = "GroomChunk";
 template <>
+inline constexpr const char* kWireName<HairChunk> = "HairChunk";
+template <>
 inline constexpr const char* kWireName<BodyChunk> = "BodyChunk";
 template <>
 inline constexpr const char* kWireName<ColliderChunk> = "ColliderChunk";
@@ -93,6 +95,25 @@ void fields(Visitor& v, auto& m, std::type_identity<GroomChunk>) {
   v.array("radii", m.radii, kWords);
   v.array("uvs", m.uvs, kWords);
   v.array("parts", m.parts, kShorts);
+}
+
+template <class Visitor>
+void fields(Visitor& v, auto& m, std::type_identity<HairChunk>) {
+  v.number("session", m.session);
+  v.key("groom_id", m.groom_id);
+  chunkFields(v, m);
+  v.number("total_hairs", m.total_hairs);
+  v.number("total_vertices", m.total_vertices);
+  v.number("first_hair", m.first_hair);
+  v.number("first_vertex", m.first_vertex);
+  v.number("hair_count", m.hair_count);
+  v.number("vertex_count", m.vertex_count);
+  v.number("arrays", m.arrays);
+  v.number("encoding", m.encoding);
+  v.number("step", m.step);
+  v.number("radius_step", m.radius_step);
+  v.items("uv_box", m.uv_box);
+  v.array("payload", m.payload, wire_limits::kOctets);
 }
 
 template <class Visitor>

@@ -40,4 +40,24 @@ HairDescription boundHairs(const StrandSet& guides, size_t hairs, VerticesOf ver
   return description;
 }
 
+inline HairDescription boundHairs(const StrandSet& guides, size_t hairs) {
+  return boundHairs(
+      guides, hairs, [](size_t) { return 16; }, true);
+}
+
+/// Whether `got` is `sent` as a channel hands it out: vertices within `error` (m), the rest alike.
+inline bool areAlike(const HairDescription& got, const HairDescription& sent, float error) {
+  if (got.hairs.offsets != sent.hairs.offsets || got.hairs.parts != sent.hairs.parts ||
+      got.colours != sent.colours || got.ids != sent.ids || got.bindings.size() != sent.bindings.size() ||
+      got.hairs.radii.size() != sent.hairs.radii.size() || got.hairs.uvs.size() != sent.hairs.uvs.size())
+    return false;
+  for (size_t h = 0; h < got.bindings.size(); ++h)
+    if (got.bindings[h].guides != sent.bindings[h].guides ||
+        got.bindings[h].weights != sent.bindings[h].weights)
+      return false;
+  for (size_t v = 0; v < got.hairs.vertices(); ++v)
+    if (!((got.hairs.positions[v] - sent.hairs.positions[v]).norm() <= error)) return false;
+  return true;
+}
+
 }  // namespace strandcast

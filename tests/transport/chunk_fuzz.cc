@@ -8,6 +8,7 @@
 
 #include "limb.h"
 #include "transport/assembler.h"
+#include "transport/codec/hair_codec.h"
 
 namespace strandcast {
 namespace {
@@ -76,6 +77,25 @@ GroomChunk readGroomChunk(Bytes& bytes) {
   bytes.fill(chunk.radii, when(GroomChunk::kRadii, vertices), [&] { return bytes.real(); });
   bytes.fill(chunk.uvs, when(GroomChunk::kUvs, 2 * strands), [&] { return bytes.real(); });
   bytes.fill(chunk.parts, when(GroomChunk::kParts, strands), [&] { return bytes.byte(); });
+  return chunk;
+}
+
+HairChunk readHairChunk(Bytes& bytes) {
+  HairChunk chunk;
+  readHeader(bytes, chunk);
+  chunk.total_hairs = bytes.number();
+  chunk.total_vertices = bytes.number();
+  chunk.first_hair = bytes.number();
+  chunk.first_vertex = bytes.number();
+  chunk.hair_count = bytes.number();
+  chunk.vertex_count = bytes.number();
+  chunk.arrays = bytes.byte() % 33;
+  chunk.encoding = bytes.byte() / 255;
+  const auto step = [&] { return bytes.byte() == 255 ? bytes.real() : 1e-5f; };
+  chunk.step = step();
+  chunk.radius_step = step();
+  if (bytes.byte() == 255) chunk.uv_box[0] = bytes.real();
+  bytes.fill(chunk.payload, bytes.byte(), [&] { return bytes.byte(); });
   return chunk;
 }
 
@@ -174,17 +194,26 @@ void checkBody(const BodyDescription& body) {
 
 size_t fuzzChunks(const uint8_t* data, size_t size) {
   Bytes bytes(data, size);
+  size_t completed = 0;
   GroomAssembler grooms(1);
   BodyAssembler bodies(1);
   ColliderAssembler colliders(1);
+  HairAssembler hairs(1);
+  std::shared_ptr<const GroomDescription> newest_groom;
+  const auto take = [&](const std::shared_ptr<const HairDescription>& complete) {
+    if (!complete) return;
+    checkHairs(*complete, newest_groom->guides, "fuzz");
+    require(complete->session == newest_groom->session && complete->revision == newest_groom->revision);
+    ++completed;
+  };
   GuideAssembler frames, concealing(true);
   ColliderSet parts = limbs({limb(0), limb(1)});  // frames may have poses of these
   parts.session = 1;
   concealing.setColliders(std::make_shared<ColliderSet>(std::move(parts)));
-  size_t completed = 0, vertices = 0;
+  size_t vertices = 0;
   uint64_t newest = 0;
   while (!bytes.empty()) {
-    switch (bytes.byte() % 4) {
+    switch (bytes.byte() % 5) {
       case 0:
         if (const auto groom = grooms.add(readGroomChunk(bytes))) {
           checkGroom(*groom);
@@ -193,6 +222,8 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
           vertices = groom->guides.vertices();
           newest = 0;
           ++completed;
+          newest_groom = groom;
+          take(hairs.setGroom(groom));
         }
         break;
       case 1:
@@ -207,6 +238,9 @@ size_t fuzzChunks(const uint8_t* data, size_t size) {
           concealing.setColliders(set);
           ++completed;
         }
+        break;
+      case 3:
+        take(hairs.add(readHairChunk(bytes)));
         break;
       default: {
         const GuideChunk chunk = readGuideChunk(bytes);

@@ -10,6 +10,7 @@
 #include <map>
 #include <thread>
 
+#include "bound_hairs.h"
 #include "core/error.h"
 #include "dds_domain.h"
 #include "moving_hair.h"
@@ -48,6 +49,36 @@ TEST(DdsBuild, SaysWhyWhenThereIsNone) {
     EXPECT_THROW(makeDdsSubscriber({0, 1, 0, {}}), Error);
     EXPECT_THROW(makeDdsPoseSender({0, 1, 0, {}}), Error);
   }
+}
+
+TEST_F(Dds, HairsReachPresentAndLateReaders) {
+  const int domain = testDomain(0);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {}});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
+  GroomDescription groom = hairGroom(500, [](size_t) { return 16; });
+  const HairDescription hairs = boundHairs(groom.guides, 8000);
+  const float error = 1.001f * CodecOptions().hair_error;
+  publisher->announce(groom, sampleBody(20));
+  publisher->announceHairs(hairs);
+  ASSERT_TRUE(becomesTrue([&] { return subscriber->hairs() != nullptr; }));
+  EXPECT_TRUE(areAlike(*subscriber->hairs(), hairs, error));
+  // Fewer chunks than before, and then none: a late joiner must get only those of its groom.
+  const HairDescription fewer = boundHairs(groom.guides, 2000);
+  groom.revision = 2;
+  publisher->announce(groom, sampleBody(20));
+  publisher->announceHairs(fewer);
+  ASSERT_TRUE(becomesTrue([&] { return subscriber->hairs() && subscriber->hairs()->revision == 2; }));
+  {
+    const auto late = makeDdsSubscriber({domain, 1, 0, {}});
+    ASSERT_TRUE(becomesTrue([&] { return late->hairs() != nullptr; }));
+    EXPECT_TRUE(areAlike(*late->hairs(), fewer, error));
+    EXPECT_EQ(late->statistics().chunks_rejected, 0u);
+  }
+  groom.revision = 3;
+  publisher->announce(groom, sampleBody(20));
+  ASSERT_TRUE(becomesTrue([&] { return subscriber->groom()->revision == 3; }));
+  EXPECT_FALSE(subscriber->hairs());
+  EXPECT_EQ(subscriber->statistics().chunks_rejected, 0u);
 }
 
 TEST_F(Dds, GroomFramesStatusAndCommandsGoThrough) {

@@ -30,6 +30,7 @@ class ScriptedSubscriber final : public Subscriber {
   std::shared_ptr<const GroomDescription> groom() const override { return queue_.groom(); }
   std::shared_ptr<const BodyDescription> body() const override { return nullptr; }
   std::shared_ptr<const ColliderSet> colliders() const override { return nullptr; }
+  std::shared_ptr<const HairDescription> hairs() const override { return nullptr; }
   std::shared_ptr<const GuideFrame> frame() const override { return queue_.frame(); }
   void keepFrames(size_t count) override { queue_.keep(count); }
   std::shared_ptr<const GuideFrame> waitForFrame(uint64_t after, milliseconds timeout) override {

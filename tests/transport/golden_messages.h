@@ -49,6 +49,11 @@ inline void setDistinct(GroomChunk& m) {
                    m.total_vertices, m.first_strand, m.first_vertex, m.hair_radius, m.arrays, m.name,
                    m.vertex_counts, m.positions, m.pinned, m.radii, m.uvs, m.parts);
 }
+inline void setDistinct(HairChunk& m) {
+  DistinctValues()(m.session, m.groom_id, m.chunk_index, m.chunk_count, m.revision, m.total_hairs,
+                   m.total_vertices, m.first_hair, m.first_vertex, m.hair_count, m.vertex_count, m.arrays,
+                   m.encoding, m.step, m.radius_step, m.uv_box, m.payload);
+}
 inline void setDistinct(BodyChunk& m) {
   DistinctValues()(m.session, m.groom_id, m.chunk_index, m.chunk_count, m.revision, m.total_positions,
                    m.total_triangles, m.first_position, m.first_triangle, m.arrays, m.name, m.positions,

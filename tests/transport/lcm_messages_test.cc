@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "bound_hairs.h"
 #include "message_fuzz.h"
 #include "moving_hair.h"
 #include "strandcast_v6/body_chunk_t.hpp"
@@ -11,10 +12,12 @@
 #include "strandcast_v6/command_t.hpp"
 #include "strandcast_v6/groom_chunk_t.hpp"
 #include "strandcast_v6/guide_chunk_t.hpp"
+#include "strandcast_v6/hair_chunk_t.hpp"
 #include "strandcast_v6/pose_samples_t.hpp"
 #include "strandcast_v6/reader_t.hpp"
 #include "strandcast_v6/status_t.hpp"
 #include "transport/chunks.h"
+#include "transport/codec/hair_codec.h"
 #include "transport/lcm/lcm_ends.h"
 #include "transport/parameter_table.h"
 
@@ -51,6 +54,15 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
     EXPECT_EQ(back.parts, chunk.parts);
     EXPECT_EQ(back.uvs, chunk.uvs);
     EXPECT_EQ(back.arrays, chunk.arrays);
+  }
+  for (const HairChunk& chunk :
+       encodeHairs(boundHairs(groom.guides, 2000), groom.guides, kDefaultHairError)) {
+    HairChunk back;
+    const auto wire = throughGenerated<strandcast_v6::hair_chunk_t>(chunk, back);
+    EXPECT_EQ(wire.vertex_count, static_cast<int32_t>(chunk.vertex_count));
+    EXPECT_EQ(back.uv_box, chunk.uv_box);
+    EXPECT_EQ(back.radius_step, chunk.radius_step);
+    EXPECT_EQ(back.payload, chunk.payload);
   }
   for (const BodyChunk& chunk : splitBody(sampleBody(60))) {
     BodyChunk back;
@@ -116,8 +128,9 @@ TEST(LcmMessages, ChannelsOfEveryGroomHaveNamesThatLcmTakes) {
   constexpr size_t kLongest = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH; longer ones are not sent
   for (const uint32_t groom : {0u, 1u, 1000000u, 0xFFFFFFFFu}) {
     const LcmChannels channels(groom);
-    for (const std::string& name : {channels.groom, channels.bodies, channels.colliders, channels.guides,
-                                    channels.pose, channels.command, channels.reader, channels.status})
+    for (const std::string& name :
+         {channels.groom, channels.bodies, channels.hairs, channels.colliders, channels.guides, channels.pose,
+          channels.command, channels.reader, channels.status})
       EXPECT_LE(name.size(), kLongest) << name;
   }
 }

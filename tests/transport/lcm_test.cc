@@ -13,6 +13,7 @@
 #include <sstream>
 #include <thread>
 
+#include "bound_hairs.h"
 #include "dds_domain.h"
 #include "limb.h"
 #include "lossy_link.h"
@@ -274,6 +275,30 @@ TEST(Lcm, ALateReaderIsGivenTheGroomAtOnce) {
   EXPECT_TRUE(goesThrough(*publisher, *subscriber, groom, 100));
   std::printf("complete after %.0f ms\n",
               std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+}
+
+TEST(Lcm, HairsReachPresentAndLateReaders) {
+  const auto link = std::make_shared<LossyLink>();
+  const auto publisher = makeLcmPublisher(link, options(11));
+  const auto present = makeLcmSubscriber(link, options(0));
+  const GroomDescription groom = hair(500);
+  const HairDescription hairs = boundHairs(groom.guides, 8000);  // of more chunks than are repeated unasked
+  publisher->announce(groom, sampleBody(20));
+  publisher->announceHairs(hairs);
+  const float error = 1.001f * CodecOptions().hair_error;
+  ASSERT_TRUE(becomesTrue([&] { return present->hairs() != nullptr; }));
+  EXPECT_TRUE(areAlike(*present->hairs(), hairs, error));
+  const auto first = present->hairs();
+  const auto late = makeLcmSubscriber(link, options(0));
+  ASSERT_TRUE(becomesTrue([&] { return late->hairs() != nullptr; }));
+  EXPECT_TRUE(areAlike(*late->hairs(), hairs, error));
+  EXPECT_EQ(present->hairs(), first) << "repeated hairs are no new ones";
+  EXPECT_EQ(late->statistics().chunks_rejected, 0u);
+  GroomDescription next = groom;
+  next.revision = 2;
+  publisher->announce(next, sampleBody(20));
+  ASSERT_TRUE(becomesTrue([&] { return late->groom()->revision == 2; }));
+  EXPECT_FALSE(late->hairs()) << "the new groom has none";
 }
 
 TEST(Lcm, ANewSessionIsNoticedAndItsGroomFetched) {

@@ -5,9 +5,11 @@
 #include <iterator>
 #include <utility>
 
+#include "bound_hairs.h"
 #include "moving_hair.h"
 #include "transport/assembler.h"
 #include "transport/cdr.h"
+#include "transport/codec/hair_codec.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/parameter_table.h"
 #include "transport/pose_inbox.h"
@@ -22,11 +24,19 @@ namespace {
 void use(GroomChunk& chunk) { GroomAssembler(1).add(std::move(chunk)); }
 void use(BodyChunk& chunk) { BodyAssembler(1).add(std::move(chunk)); }
 void use(ColliderChunk& chunk) { ColliderAssembler(1).add(std::move(chunk)); }
-void use(GuideChunk& chunk) {
+const std::shared_ptr<const GroomDescription>& knownGroom() {
   static const auto kGroom =
       std::make_shared<const GroomDescription>(hairGroom(40, [](size_t s) { return 1 + s % 20; }));
+  return kGroom;
+}
+void use(HairChunk& chunk) {
+  HairAssembler assembler(1);
+  assembler.setGroom(knownGroom());
+  if (const auto hairs = assembler.add(std::move(chunk))) checkHairs(*hairs, knownGroom()->guides, "fuzz");
+}
+void use(GuideChunk& chunk) {
   GuideAssembler assembler(true);
-  assembler.setGroom(kGroom);
+  assembler.setGroom(knownGroom());
   if (const auto frame = assembler.add(chunk)) {
     for (const Vec3& position : frame->positions) {
       if (!position.allFinite()) std::abort();
@@ -80,9 +90,10 @@ struct CdrType {
   size_t (*use)(std::span<const uint8_t> bytes);
 };
 const CdrType kCdrTypes[] = {
-    {"groom", useCdr<GroomChunk>},  {"body", useCdr<BodyChunk>},   {"colliders", useCdr<ColliderChunk>},
-    {"guides", useCdr<GuideChunk>}, {"pose", useCdr<PoseSamples>}, {"command", useCdr<Command>},
-    {"status", useCdr<Status>},     {"claim", useCdr<Claim>},      {"show", useCdr<ShowChunk>}};
+    {"groom", useCdr<GroomChunk>},        {"hairs", useCdr<HairChunk>},   {"body", useCdr<BodyChunk>},
+    {"colliders", useCdr<ColliderChunk>}, {"guides", useCdr<GuideChunk>}, {"pose", useCdr<PoseSamples>},
+    {"command", useCdr<Command>},         {"status", useCdr<Status>},     {"claim", useCdr<Claim>},
+    {"show", useCdr<ShowChunk>}};
 
 Show fuzzedShow() {
   Show show;
@@ -95,7 +106,8 @@ Show fuzzedShow() {
 size_t fuzzMessages(const uint8_t* data, size_t size) {
   const std::span<const uint8_t> bytes(data, size);
   size_t read = useLcm<GroomChunk>(bytes) + useLcm<BodyChunk>(bytes) + useLcm<ColliderChunk>(bytes) +
-                useLcm<GuideChunk>(bytes) + useLcm<PoseSamples>(bytes) + useLcm<Command>(bytes) +
+                useLcm<HairChunk>(bytes) + useLcm<GuideChunk>(bytes) + useLcm<PoseSamples>(bytes) +
+                useLcm<Command>(bytes) +
                 useLcm<ReaderHeartbeat>(bytes) + useLcm<Status>(bytes);
   if (const auto show = showOf(bytes)) ++read, use(*show);
   return read;
@@ -119,6 +131,10 @@ void addSamples(const Add& add) {
   few.colliders[1].shapes.resize(5);  // so that one chunk holds all
   add("colliders", splitColliders(few)[0]);
   add("colliders", splitColliders(sampleColliders())[1]);
+  for (const bool with_arrays : {true, false})
+    add("hairs", encodeHairs(boundHairs(
+                                 groom.guides, 20, [](size_t h) { return 2 + h % 5; }, with_arrays),
+                             groom.guides, kDefaultHairError)[0]);
   add("guides", splitFrame(groom, [&] {
         GuideFrame frame = hairFrame(groom, 1);
         frame.colliders = {{3, Pose{}, {}}, {4, Pose{}, sampleBend(1)}};

@@ -5,10 +5,11 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "bound_hairs.h"
 #include "core/error.h"
 #include "core/hash.h"
-#include "moving_hair.h"
 #include "tests/io/scratch_folder.h"
+#include "transport/codec/hair_codec.h"
 #include "transport/message_bytes.h"
 #include "transport/recording/recorder.h"
 #include "transport/recording/recording.h"
@@ -18,7 +19,9 @@ namespace {
 
 constexpr uint64_t kMaxFrames = 64;  // read of one file: enough to reach every path quickly
 
-bool isSoundFrame(const RecordedFrame& read) {
+/// Hairs that a receiver would refuse end the program.
+bool isSoundFrame(const RecordedFrame& read) noexcept {
+  if (read.hairs) checkHairs(*read.hairs, read.groom->guides, "fuzz");
   return read.groom && read.body && read.frame &&
          read.frame->positions.size() == read.groom->guides.vertices() &&
          std::all_of(read.frame->positions.begin(), read.frame->positions.end(),
@@ -118,6 +121,9 @@ std::vector<FuzzSeeds> recordingSeeds() {
       GroomDescription groom = hairGroom(18, [](size_t s) { return 2 + s % 5; });
       groom.session = session;
       recorder.setGroom(groom, sampleBody(4));
+      if (session == 11)
+        recorder.setHairs(boundHairs(
+            groom.guides, 10, [](size_t h) { return 2 + h % 5; }, true));
       for (uint64_t number = 1; number <= 5; ++number) {
         if (number == 3) recorder.addInput({1, 33, CommandKind::kSetParameter, "wind", {1, 2, 3}});
         recorder.addFrame(hairFrame(groom, number));

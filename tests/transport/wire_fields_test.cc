@@ -113,6 +113,7 @@ void expectIdl() {
 
 TEST(WireFields, AreThoseOfTheIdl) {
   expectIdl<GroomChunk>();
+  expectIdl<HairChunk>();
   expectIdl<BodyChunk>();
   expectIdl<ColliderChunk>();
   expectIdl<GuideChunk>();
@@ -126,6 +127,7 @@ TEST(WireFields, AreThoseOfTheIdl) {
 TEST(WireFields, AreThoseOfTheLcmSchema) {
   const auto lcm = [](const char* type) { return membersOf("lcm/strandcast.lcm", type); };
   EXPECT_EQ((listed<LcmText, GroomChunk>()), lcm("groom_chunk_t"));
+  EXPECT_EQ((listed<LcmText, HairChunk>()), lcm("hair_chunk_t"));
   EXPECT_EQ((listed<LcmText, BodyChunk>()), lcm("body_chunk_t"));
   EXPECT_EQ((listed<LcmText, ColliderChunk>()), lcm("collider_chunk_t"));
   EXPECT_EQ((listed<LcmText, GuideChunk>()), lcm("guide_chunk_t"));

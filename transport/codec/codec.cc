@@ -40,6 +40,8 @@ void checkCodecOptions(const CodecOptions& options, const std::string& where) {
   if (!(options.max_error >= kMinCodecError && options.max_error <= kMaxCodecError)) {
     throw Error("the codec's worst error is out of range", where, "give 0.001 to 1 mm");
   }
+  if (!(options.hair_error >= kMinHairError && options.hair_error <= kMaxHairError))
+    throw Error("the worst error of hairs is out of range", where, "give 0.01 to 1 mm");
   if (options.key_interval < 1 || options.key_interval > kMaxKeyInterval) {
     throw Error("the interval of key frames is out of range", where, "give 1 to 1000 frames");
   }

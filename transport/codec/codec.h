@@ -31,9 +31,12 @@ struct CodecOptions {
   /// Threads that encode a frame's chunks, at most kMaxEncodingThreads; 0 = all of the machine. The bytes do
   /// not depend on it.
   int threads = 0;
+  /// m, kMinHairError to kMaxHairError: bound on the error at rest of hairs that follow the guides.
+  float hair_error = 30e-6f;
 };
 
 inline constexpr float kMinCodecError = 1e-6f, kMaxCodecError = 1e-3f;  // m
+inline constexpr float kMinHairError = 10e-6f, kMaxHairError = 1e-3f;   // m
 inline constexpr uint32_t kMaxKeyInterval = 1000;
 inline constexpr int kMaxEncodingThreads = 8;
 

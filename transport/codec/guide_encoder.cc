@@ -6,7 +6,11 @@
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <string>
 #include <thread>
+
+#include "core/error.h"
+#include "transport/codec/hair_codec.h"
 
 namespace strandcast {
 namespace {
@@ -386,14 +390,28 @@ AnnouncedGroom::Chunks AnnouncedGroom::chunksOf(const GroomDescription& groom,
 
 void AnnouncedGroom::accept(const GroomDescription& groom) {
   encoder_.setGroom(groom.guides);
-  vertices_ = groom.guides.vertices();
-  accepted_.emplace();
+  accepted_ = groom;
+  accepted_->groom_id = groom_id_;
   accepted_->session = session_;
-  accepted_->revision = groom.revision;
+}
+
+std::vector<HairChunk> AnnouncedGroom::chunksOf(const HairDescription& hairs) const {
+  const std::string where = "hairs of groom " + std::to_string(groom_id_);
+  if (!accepted_) throw Error("no groom was announced", where, "announce the groom first");
+  checkHairs(hairs, accepted_->guides, where);
+  std::vector<HairChunk> chunks = encodeHairs(hairs, accepted_->guides, hair_error_);
+  for (HairChunk& chunk : chunks) {
+    chunk.groom_id = groom_id_;
+    chunk.session = session_;
+    chunk.revision = accepted_->revision;
+  }
+  return chunks;
 }
 
 void AnnouncedGroom::divide(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send) {
-  if (!accepted_ || frame.revision != accepted_->revision || frame.positions.size() != vertices_) return;
+  if (!accepted_ || frame.revision != accepted_->revision ||
+      frame.positions.size() != accepted_->guides.vertices())
+    return;
   encoder_.encodeAll(frame, [&](GuideChunk& chunk) {
     chunk.groom_id = groom_id_;
     chunk.session = session_;

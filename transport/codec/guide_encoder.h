@@ -106,7 +106,7 @@ class GuideEncoder {
 class AnnouncedGroom {
  public:
   AnnouncedGroom(uint32_t groom_id, uint64_t session, const CodecOptions& codec)
-      : groom_id_(groom_id), session_(session), encoder_(codec) {}
+      : groom_id_(groom_id), session_(session), hair_error_(codec.hair_error), encoder_(codec) {}
 
   struct Chunks {
     std::vector<GroomChunk> groom;
@@ -114,7 +114,9 @@ class AnnouncedGroom {
   };
   /// Throws Error as Publisher::announce().
   Chunks chunksOf(const GroomDescription& groom, const BodyDescription& body) const;
-  /// Call after its chunks are sent: frames are of this groom from now on.
+  /// The chunks of hairs that follow the groom accepted last. Throws Error as Publisher::announceHairs().
+  std::vector<HairChunk> chunksOf(const HairDescription& hairs) const;
+  /// Call after its chunks are sent: frames and hairs are of this groom from now on.
   void accept(const GroomDescription& groom);
 
   /// Calls send(chunk) for each chunk of the frame in order, as GuideEncoder::encodeAll(); for none where the
@@ -125,9 +127,9 @@ class AnnouncedGroom {
  private:
   const uint32_t groom_id_;
   const uint64_t session_;
+  const float hair_error_;
   GuideEncoder encoder_;
-  std::optional<GroomDescription> accepted_;  // only its session and revision
-  size_t vertices_ = 0;
+  std::optional<GroomDescription> accepted_;
 };
 
 }  // namespace strandcast

@@ -344,8 +344,6 @@ std::vector<HairChunk> encodeHairs(const HairDescription& hairs, const StrandSet
   return chunks;
 }
 
-namespace {
-
 bool isSoundHead(const HairChunk& chunk) {
   constexpr uint32_t kAll =
       HairChunk::kRadii | HairChunk::kUvs | HairChunk::kColours | HairChunk::kParts | HairChunk::kIds;
@@ -356,6 +354,8 @@ bool isSoundHead(const HairChunk& chunk) {
          in(chunk.radius_step, kMinRadiusStep, kMaxRadiusStep) &&
          std::ranges::all_of(chunk.uv_box, [](float number) { return std::isfinite(number); });
 }
+
+namespace {
 
 /// The planes of a payload. Sums of differences are checked as they are formed.
 class HairReader {

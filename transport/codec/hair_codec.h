@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "transport/chunks.h"
+#include "transport/codec/codec.h"
 #include "transport/codec/strand_coder.h"
 
 namespace strandcast {
@@ -12,8 +13,7 @@ namespace strandcast {
 /// hair is so far.
 
 inline constexpr uint32_t kMaxHairs = 4'000'000;                        ///< of a groom
-inline constexpr float kMinHairError = 10e-6f, kMaxHairError = 1e-3f;   // m
-inline constexpr float kDefaultHairError = 30e-6f;                      // m
+inline constexpr float kDefaultHairError = CodecOptions().hair_error;   // m
 inline constexpr uint32_t kMinVerticesPerHair = 2;                      ///< at most kMaxWireVertices
 inline constexpr float kMinHairStep = 1e-6f, kMaxHairStep = 1e-3f;      // m, of HairChunk::step
 inline constexpr float kMinRadiusStep = 1e-9f, kMaxRadiusStep = 1e-5f;  // m
@@ -32,6 +32,10 @@ void checkHairs(const HairDescription& hairs, const StrandSet& guides, const std
 /// lies too far from its guide or from the origin for that error, or the hairs need more than kMaxChunks.
 std::vector<HairChunk> encodeHairs(const HairDescription& hairs, const StrandSet& guides, float max_error,
                                    const StrandCoder& coder = strandCoder());
+
+/// Whether the chunk has an encoding that is known here, arrays and steps of their ranges, and counts that
+/// can be those of hairs.
+bool isSoundHead(const HairChunk& chunk);
 
 /// Appends the hairs of a chunk to `hairs`, which is empty or has hairs of chunks with the same `arrays`;
 /// sets nothing else. Nothing in the chunk is trusted: memory is bounded by the bytes of the payload. False

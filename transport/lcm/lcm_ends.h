@@ -65,13 +65,14 @@ struct LcmChannels {
   explicit LcmChannels(uint32_t groom_id)
       : groom("STRANDCAST_GROOM_" + std::to_string(groom_id)),
         bodies("STRANDCAST_BODIES_" + std::to_string(groom_id)),
+        hairs("STRANDCAST_HAIRS_" + std::to_string(groom_id)),
         colliders("STRANDCAST_COLLIDERS_" + std::to_string(groom_id)),
         guides("STRANDCAST_GUIDES_" + std::to_string(groom_id)),
         pose(poseOf(groom_id)),
         command("STRANDCAST_COMMAND_" + std::to_string(groom_id)),
         reader("STRANDCAST_READER_" + std::to_string(groom_id)) {}
   static std::string poseOf(uint32_t groom_id) { return "STRANDCAST_POSE_" + std::to_string(groom_id); }
-  const std::string groom, bodies, colliders, guides, pose, command, reader;
+  const std::string groom, bodies, hairs, colliders, guides, pose, command, reader;
   const std::string status = "STRANDCAST_STATUS";
 };
 

@@ -61,20 +61,24 @@ class LcmPublisher final : public Publisher {
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
     const AnnouncedGroom::Chunks chunks = announced_.chunksOf(groom, body);
-    std::vector<Message> carousel;
-    for (const GroomChunk& chunk : chunks.groom) {
-      carousel.push_back({channels_.groom, {}});
-      toBytes(chunk, carousel.back().bytes);
-    }
-    for (const BodyChunk& chunk : chunks.body) {
-      carousel.push_back({channels_.bodies, {}});
-      toBytes(chunk, carousel.back().bytes);
-    }
+    std::vector<Message> description = messagesOf(channels_.groom, chunks.groom);
+    append(description, messagesOf(channels_.bodies, chunks.body));
     announced_.accept(groom);
     std::unique_lock lock(mutex_);
-    description_ = std::move(carousel);
+    description_ = std::move(description);
+    hairs_.clear();
     rebuildCarousel();
     sendDescription(lock);  // before the first frame that fits it
+    wake_.notify_all();
+  }
+
+  void announceHairs(const HairDescription& hairs) override {
+    std::vector<Message> messages = messagesOf(channels_.hairs, announced_.chunksOf(hairs));
+    std::unique_lock lock(mutex_);
+    hairs_ = std::move(messages);
+    rebuildCarousel();
+    if (isWrittenLog(options_.url)) return sendDescription(lock);
+    repeat_due_ = Clock::now();  // frames that follow do not wait for it
     wake_.notify_all();
   }
 
@@ -145,6 +149,13 @@ class LcmPublisher final : public Publisher {
     std::vector<uint8_t> bytes;
   };
 
+  struct Carousel {
+    std::vector<Message> messages;
+    /// The first so many are repeated. The others, colliders or hairs of more than kBurst chunks, are sent at
+    /// once and on request only.
+    size_t repeated = 0;
+  };
+
   void receiveCommand(std::span<const uint8_t> message) {
     Command command;
     if (!fromBytes(message, command) || command.groom_id != options_.groom_id || !isSound(command)) return;
@@ -208,33 +219,47 @@ class LcmPublisher final : public Publisher {
   void encodeColliders(std::unique_lock<std::mutex>& lock) {
     const ColliderSet colliders = *std::exchange(next_colliders_, std::nullopt);
     lock.unlock();
-    std::vector<Message> messages;
-    for (const ColliderChunk& chunk : splitColliders(colliders)) {
-      messages.push_back({channels_.colliders, {}});
-      toBytes(chunk, messages.back().bytes);
-    }
+    std::vector<Message> messages = messagesOf(channels_.colliders, splitColliders(colliders));
     lock.lock();
     colliders_ = std::move(messages);
     if (!description_.empty()) rebuildCarousel();
   }
 
+  template <class Chunk>
+  static std::vector<Message> messagesOf(const std::string& channel, const std::vector<Chunk>& chunks) {
+    std::vector<Message> messages;
+    for (const Chunk& chunk : chunks) {
+      messages.push_back({channel, {}});
+      toBytes(chunk, messages.back().bytes);
+    }
+    return messages;
+  }
+
+  static void append(std::vector<Message>& to, const std::vector<Message>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  }
+
   /// Schedules the changed description to be sent next.
   void rebuildCarousel() {
-    auto carousel = std::make_shared<std::vector<Message>>(description_);
-    carousel->insert(carousel->end(), colliders_.begin(), colliders_.end());
+    auto carousel = std::make_shared<Carousel>();
+    carousel->messages = description_;
+    for (const bool is_repeated : {true, false}) {
+      for (const std::vector<Message>* const part : {&colliders_, &hairs_})
+        if ((part->size() <= kBurst) == is_repeated) append(carousel->messages, *part);
+      if (is_repeated) carousel->repeated = carousel->messages.size();
+    }
     carousel_ = std::move(carousel);
     is_asked_ = true;
   }
 
-  /// Sends the description once; a newer one interrupts it. Colliders of more than kBurst chunks (fields) are
-  /// sent on request only.
+  /// Sends the description once; a newer one interrupts it.
   void sendDescription(std::unique_lock<std::mutex>& lock) {
-    const bool with_colliders = std::exchange(is_asked_, false) || colliders_.size() <= kBurst;
     const auto carousel = carousel_;
-    const size_t count = with_colliders ? carousel->size() : description_.size();
+    const size_t count = std::exchange(is_asked_, false) ? carousel->messages.size() : carousel->repeated;
     for (size_t i = 0; i < count && carousel == carousel_ && !stop_; ++i) {
+      const Message& message = carousel->messages[i];
       lock.unlock();
-      link_->send((*carousel)[i].channel, (*carousel)[i].bytes);
+      link_->send(message.channel, message.bytes);
       if (i % kBurst == kBurst - 1) std::this_thread::sleep_for(kBetweenBursts);
       lock.lock();
     }
@@ -252,9 +277,9 @@ class LcmPublisher final : public Publisher {
 
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable wake_;
-  std::vector<Message> description_, colliders_;
-  std::optional<ColliderSet> next_colliders_;             // replaces colliders_ soon
-  std::shared_ptr<const std::vector<Message>> carousel_;  // description_ and colliders_
+  std::vector<Message> description_, colliders_, hairs_;
+  std::optional<ColliderSet> next_colliders_;  // replaces colliders_ soon
+  std::shared_ptr<const Carousel> carousel_;   // of all three
   Clock::time_point repeat_due_ = Clock::time_point::max(), repeated_{}, status_due_{};
   std::vector<uint8_t> status_message_;
   std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that answered it

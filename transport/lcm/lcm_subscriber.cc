@@ -45,6 +45,7 @@ class LcmSubscriber final : public ReceivingSubscriber {
     subscriptions_ =
         link_->listen({{channels_.groom, [this](auto message) { receiveGroom(message); }},
                        {channels_.bodies, [this](auto message) { receiveBody(message); }},
+                       {channels_.hairs, [this](auto message) { receiveHairs(message); }},
                        {channels_.colliders, [this](auto message) { receiveColliders(message); }},
                        {channels_.guides, [this](auto message) { receiveGuides(message); }},
                        status});
@@ -109,6 +110,13 @@ class LcmSubscriber final : public ReceivingSubscriber {
     BodyChunk chunk;
     if (!fromBytes(message, chunk)) return countDamagedMessage();
     if (!body() || !isCurrent(chunk.session, chunk.revision)) receive(std::move(chunk));
+  }
+
+  void receiveHairs(std::span<const uint8_t> message) {
+    HairChunk chunk;
+    if (!fromBytes(message, chunk)) return countDamagedMessage();
+    const auto own = hairs();
+    if (!own || own->session != chunk.session || own->revision < chunk.revision) receive(std::move(chunk));
   }
 
   void receiveColliders(std::span<const uint8_t> message) {

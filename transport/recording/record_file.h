@@ -121,7 +121,8 @@ enum class RecordKind : uint32_t {
   kGuides = 6,  ///< GuideChunk of the frame before it
   kIndex = 7,   ///< offsets of the frames since the last index or groom
   kEnd = 8,     ///< offset of the last index
-  kGrids = 9    ///< some layers of the air around the frame before it
+  kGrids = 9,   ///< some layers of the air around the frame before it
+  kHairs = 12   ///< HairChunk, after the body of its groom
 };
 
 inline constexpr char kRecordingMagic[8] = {'S', 'T', 'R', 'N', 'D', 'R', 'E', 'C'};

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/hash.h"
+#include "transport/codec/hair_codec.h"
 #include "transport/message_bytes.h"
 #include "transport/wire_fields.h"
 
@@ -35,8 +36,9 @@ constexpr const char* kLayout =
     "last index or 0, frames); 9 grids of the frame before (uint64 number of the frame, uint32 cells per "
     "axis, float x y z of the lowest corner in m, float cell in m, uint32 first of 16 layers along z, uint32 "
     "bits of what is there: 1 density in kg/m^3, 2 4 8 wind x y z in m/s, 16 pressure in Pa, 32 divergence "
-    "in 1/s, 64 solid, array of float units, bytes: zstd of low and then high bytes of 16-bit numbers). "
-    "Payloads of guides and grids: docs/wire.md of Strandcast.";
+    "in 1/s, 64 solid, array of float units, bytes: zstd of low and then high bytes of 16-bit numbers); 12 "
+    "hairs, after the body: the fields of hair_chunk_t. Payloads of guides, hairs and grids: docs/wire.md of "
+    "Strandcast.";
 
 CodecOptions alone(CodecOptions codec) {
   if (codec.codec == Codec::kTemporal) codec.codec = Codec::kOctahedral12;
@@ -130,15 +132,31 @@ void Recorder::setGroom(const GroomDescription& groom, const BodyDescription& bo
   encoder_.setGroom(groom.guides);
   session_ = groom.session;
   revision_ = groom.revision;
-  vertices_ = groom.guides.vertices();
+  guides_ = groom.guides;
   inputs_at_ = 0;
   newest_ = 0;
   grids_may_follow_ = false;
 }
 
+void Recorder::setHairs(const HairDescription& hairs) {
+  const std::string where = path_.string() + ", hairs";
+  if (guides_.vertices() == 0) throw Error("no groom is recorded", where, "record the groom first");
+  checkHairs(hairs, guides_, where);
+  if (!is_open_) return;
+  HairDescription own = hairs;
+  own.groom_id = options_.groom_id;
+  own.session = session_;
+  own.revision = revision_;
+  const std::vector<HairChunk> chunks = encodeHairs(own, guides_, options_.codec.hair_error);
+  guarded([&] {
+    for (const HairChunk& chunk : chunks) writeMessage(RecordKind::kHairs, chunk);
+    file_->flush();
+  });
+}
+
 void Recorder::addInput(const Command& command) {
   grids_may_follow_ = false;
-  if (!is_open_ || vertices_ == 0) return;
+  if (!is_open_ || guides_.vertices() == 0) return;
   guarded([&] {
     writeFullIndex();
     const uint64_t at = writeMessage(RecordKind::kInput, command);
@@ -148,8 +166,8 @@ void Recorder::addInput(const Command& command) {
 
 bool Recorder::addFrame(const GuideFrame& frame) {
   grids_may_follow_ = false;
-  if (!is_open_ || vertices_ == 0 || frame.session != session_ || frame.revision != revision_ ||
-      frame.frame <= newest_ || frame.positions.size() != vertices_ || !isSound(frame))
+  if (!is_open_ || guides_.vertices() == 0 || frame.session != session_ || frame.revision != revision_ ||
+      frame.frame <= newest_ || frame.positions.size() != guides_.vertices() || !isSound(frame))
     return false;
   guarded([&] {
     writeFullIndex();
@@ -238,6 +256,11 @@ void RecordingPublisher::record(const Work& work) {
 void RecordingPublisher::announce(const GroomDescription& groom, const BodyDescription& body) {
   publisher_->announce(groom, body);
   record([&](Recorder& recorder) { recorder.setGroom(groom, body); });
+}
+
+void RecordingPublisher::announceHairs(const HairDescription& hairs) {
+  publisher_->announceHairs(hairs);
+  record([&](Recorder& recorder) { recorder.setHairs(hairs); });
 }
 
 void RecordingPublisher::publish(const GuideFrame& frame) {

@@ -46,6 +46,9 @@ class Recorder {
   /// Call before the first frame, and whenever session or revision change. Throws Error as
   /// Publisher::announce().
   void setGroom(const GroomDescription& groom, const BodyDescription& body);
+  /// Records hairs that follow the groom, directly after setGroom(). Throws Error as
+  /// Publisher::announceHairs().
+  void setHairs(const HairDescription& hairs);
   /// Records a command that is executed before the next frame.
   void addInput(const Command& command);
   /// Records a frame of the groom that was set. Skips it and returns false if it is of another groom, not
@@ -81,7 +84,7 @@ class Recorder {
   bool is_open_ = true;
   uint64_t session_ = 0;  // of the current groom
   uint32_t revision_ = 0;
-  size_t vertices_ = 0;
+  StrandSet guides_;  // at rest
   IndexRecord index_;
   uint64_t inputs_at_ = 0;  // offset of the first input of the next frame; 0 = none yet
   uint64_t number_ = 0;
@@ -113,6 +116,7 @@ class RecordingPublisher final : public Publisher {
   }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override;
+  void announceHairs(const HairDescription& hairs) override;
   void announceColliders(const ColliderSet& colliders) override { publisher_->announceColliders(colliders); }
   void publish(const GuideFrame& frame) override;
   void publishStatus(const Status& status) override;

@@ -188,7 +188,8 @@ bool Recording::readGroom(uint64_t offset) {
   GroomAssembler grooms(head_.groom_id);
   BodyAssembler bodies(head_.groom_id);
   RecordReader::Record record;
-  for (uint64_t at = offset; (!shown_.groom || !shown_.body) && reader_.read(at, record); at = record.next) {
+  uint64_t at = offset;
+  for (; (!shown_.groom || !shown_.body) && reader_.read(at, record); at = record.next) {
     if (record.kind == RecordKind::kGroom && !shown_.groom) {
       GroomChunk chunk;
       if (!parseMessage(record.bytes, chunk)) return false;
@@ -204,9 +205,25 @@ bool Recording::readGroom(uint64_t offset) {
   if (!shown_.groom || !shown_.body || shown_.groom->session != shown_.body->session ||
       shown_.groom->revision != shown_.body->revision)
     return false;
+  if (!readHairs(at)) return false;
   assembler_.setGroom(shown_.groom);
   groom_at_ = offset;
   return true;
+}
+
+/// The hairs that follow the groom, from the record after its body on. False where they are damaged.
+bool Recording::readHairs(uint64_t at) {
+  HairAssembler hairs(head_.groom_id);
+  hairs.setGroom(shown_.groom);
+  RecordReader::Record record;
+  bool has_hairs = false;
+  for (; !shown_.hairs && reader_.skim(at, record) && record.kind == RecordKind::kHairs; at = record.next) {
+    has_hairs = true;
+    HairChunk chunk;
+    if (!reader_.read(at, record) || !parseMessage(record.bytes, chunk)) return false;
+    shown_.hairs = hairs.add(std::move(chunk));
+  }
+  return !has_hairs || shown_.hairs;
 }
 
 const Recording::Block& Recording::blockOf(uint64_t number) const {
@@ -238,6 +255,7 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
   if (!indexOf(block, index) || !readGroom(block.groom)) return false;
   out.groom = shown_.groom;
   out.body = shown_.body;
+  out.hairs = shown_.hairs;
   out.inputs.clear();
   RecordReader::Record record;
   uint64_t at = index->offsets[number - block.first_number];

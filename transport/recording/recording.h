@@ -19,6 +19,7 @@ struct RecordedFrame {
   std::vector<Command> inputs;  ///< executed since the frame before
   std::shared_ptr<const GroomDescription> groom;
   std::shared_ptr<const BodyDescription> body;
+  std::shared_ptr<const HairDescription> hairs;  ///< that follow the groom; null: none
 };
 
 /// Reads a recording in any order. The file is not trusted: memory is that of one frame, one groom and a few
@@ -58,6 +59,7 @@ class Recording {
   struct Shown {
     std::shared_ptr<const GroomDescription> groom;
     std::shared_ptr<const BodyDescription> body;
+    std::shared_ptr<const HairDescription> hairs;
   };
 
   void readHead();
@@ -69,6 +71,7 @@ class Recording {
   /// Loads the index of a block; false where it is damaged.
   bool indexOf(const Block& block, const IndexRecord*& index);
   bool readGroom(uint64_t offset);
+  bool readHairs(uint64_t at);
   bool parseGuides(std::span<const uint8_t> bytes);
   bool readFrame(uint64_t number, RecordedFrame& out);
   /// Offset of the record after the guides of a frame.

@@ -40,18 +40,18 @@ std::string rules(KeyRole role) {
   const std::string hears_status = criteria("subscribe", "status", "");
   switch (role) {
     case KeyRole::kDaemon:
-      return ofGrooms("publish", {"groom", "bodies", "colliders", "guides", "claim", "show"}) +
+      return ofGrooms("publish", {"groom", "hairs", "bodies", "colliders", "guides", "claim", "show"}) +
              criteria("publish", "status", "") + ofGrooms("subscribe", {"command", "pose", "claim", "show"}) +
              hears_status;
     case KeyRole::kRenderer:
       return ofGrooms("publish", {"command", "pose"}) +
-             ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;
+             ofGrooms("subscribe", {"groom", "hairs", "bodies", "colliders", "guides"}) + hears_status;
     case KeyRole::kPoser:
       return ofGrooms("publish", {"pose"}) + hears_status;
     case KeyRole::kReader:
       break;
   }
-  return ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;
+  return ofGrooms("subscribe", {"groom", "hairs", "bodies", "colliders", "guides"}) + hears_status;
 }
 
 std::string timeText(std::time_t time) {
