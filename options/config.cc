@@ -371,6 +371,11 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   root.wholeNumber("seed", 0, kLargestSeed, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
   root.section("groom", [&](Section& groom) {
     groom.texts("files", [&](const std::string& v) { s.scene.groom.push_back(path(v)); });
+    groom.texts("hair_files", [&](const std::string& v) { s.scene.hairs.push_back(path(v)); });
+    groom.text("guides", [&](const std::string& v) {
+      s.scene.guides = guideChoiceOf(v, groom.place("guides"));
+      if (!s.scene.guides.file.empty()) s.scene.guides.file = path(v);
+    });
     readUnits(groom, s.scene.units);
     groom.wholeNumber("strands", 1, 1e6, [&](double v) { s.scene.strands = static_cast<int>(v); });
     groom.wholeNumber("vertices", 2, 128, [&](double v) { s.scene.vertices = static_cast<int>(v); });
@@ -438,6 +443,8 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
                    [&](const std::string& v) { s.codec.codec = codecNamed(v, transport.place("codec")); });
     transport.number("codec_error_mm", 0.001, 1,
                      [&](double v) { s.codec.max_error = static_cast<float>(v * 1e-3); });
+    transport.number("hair_error_mm", 0.01, 1,
+                     [&](double v) { s.codec.hair_error = static_cast<float>(v * 1e-3); });
     transport.flag("zstd", [&](bool v) { s.codec.zstd = v; });
     transport.wholeNumber("key_interval", 1, kMaxKeyInterval,
                           [&](double v) { s.codec.key_interval = static_cast<uint32_t>(v); });

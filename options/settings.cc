@@ -71,6 +71,8 @@ void refuseSetTwice(const std::vector<std::pair<std::string, std::vector<double>
 constexpr std::pair<const char*, const char*> kOptionKeys[] = {
     {"--scene", "scene"},
     {"--groom", "groom.files"},
+    {"--hair-files", "groom.hair_files"},
+    {"--guides", "groom.guides"},
     {"--body", "body.file"},
     {"--body-contact", "body.contact"},
     {"--body-clip", "body.clip"},
@@ -104,6 +106,7 @@ constexpr std::pair<const char*, const char*> kOptionKeys[] = {
     {"--groom-id", "transport.groom_id"},
     {"--codec", "transport.codec"},
     {"--codec-error", "transport.codec_error_mm"},
+    {"--hair-error", "transport.hair_error_mm"},
     {"--zstd", "transport.zstd"},
     {"--key-interval", "transport.key_interval"}};
 
@@ -160,6 +163,22 @@ UpAxis upAxisOf(const std::string& name, const std::string& where) {
   if (name == "y") return UpAxis::kY;
   if (name == "z") return UpAxis::kZ;
   throw Error("unknown axis '" + name + "'", where, "choose one of auto, x, y, z");
+}
+
+GuideChoice guideChoiceOf(const std::string& text, const std::string& where) {
+  constexpr const char* kRemedy = "give all, a share of the strands such as 5%, or a groom file";
+  GuideChoice choice;
+  if (text.empty()) throw Error("the guides have no name", where, kRemedy);
+  if (text == "all") {
+    choice.all = true;
+  } else if (text.back() == '%') {
+    choice.share = numberIn(text.substr(0, text.size() - 1), {}, where, kRemedy) / 100;
+    if (!(choice.share > 0 && choice.share < 1))
+      throw Error("a share of guides is not above 0 and below 100 %", where, kRemedy);
+  } else {
+    choice.file = text;
+  }
+  return choice;
 }
 
 BodyContact bodyContactOf(const std::string& name, const std::string& where) {
@@ -224,6 +243,15 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
   scene->add_option("--scene", given_.scene.name, sceneHelp());
   scene->add_option("--groom", groom_, "groom files (.tfx, .hair, .obj, .usda), separated by commas")
       ->delimiter(',');
+  scene
+      ->add_option("--hair-files", hairs_,
+                   "files of hairs that follow the strands of --groom, which are their guides, separated by "
+                   "commas. As many files as of the groom have its parts, in order")
+      ->delimiter(',');
+  scene->add_option(
+      "--guides", guides_,
+      "strands that are simulated; the groom's other strands follow them. A share of the groom such as 5%, a "
+      "groom file, or all. Default: those that the groom's files mark as guides, or else all");
   scene->add_option(
       "--body", given_.scene.body,
       "body mesh (.obj, .gltf, .glb; 20 million vertices at most) that the hair grows on and collides with");
@@ -320,6 +348,10 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
   app.add_option("--codec-error", codec_error_mm_,
                  "largest distance, mm, of a received guide vertex from the simulated one (default 0.01)")
       ->check(finiteRange(0.001, 1.0));
+  app.add_option("--hair-error", hair_error_mm_,
+                 "largest distance, mm, at rest of a received vertex of hairs that follow guides (default "
+                 "0.03)")
+      ->check(finiteRange(0.01, 1.0));
   app.add_flag(
       "--zstd", given_.codec.zstd,
       "compress delta16, oct12 and oct16 with zstd: up to 7 % fewer bytes for twice the encoder's time");
@@ -403,12 +435,12 @@ void SettingsOptions::recordOrigins(Settings& out) const {
   const struct {
     const char* option;
     std::vector<const char*> replaced;
-  } replacing[] = {
-      {"--scene",
-       {"groom.files", "groom.unit_meters", "groom.up", "body.file", "body.contact", "body.cell",
-        "body.fitted_spheres", "body.clip", "body.joint", "body.roots", "body.unit_meters", "body.up"}},
-      {"--groom", {"scene", "groom.length"}},
-      {"--transport", {"transport.peers", "transport.discovery_server", "transport.lcm_url"}}};
+  } replacing[] = {{"--scene",
+                    {"groom.files", "groom.hair_files", "groom.guides", "groom.unit_meters", "groom.up",
+                     "body.file", "body.contact", "body.cell", "body.fitted_spheres", "body.clip",
+                     "body.joint", "body.roots", "body.unit_meters", "body.up"}},
+                   {"--groom", {"scene", "groom.length"}},
+                   {"--transport", {"transport.peers", "transport.discovery_server", "transport.lcm_url"}}};
   for (const auto& [option, replaced] : replacing)
     for (const char* key : replaced) {
       const auto of_file = out.given.find(key);
@@ -432,6 +464,8 @@ Settings SettingsOptions::over(Settings out) const {
   if (app_.count("--scene") > 0) {  // replaces the file's groom and its settings
     out.scene.name = given_.scene.name;
     out.scene.groom.clear();
+    out.scene.hairs.clear();
+    out.scene.guides = {};
     out.scene.body.clear();
     out.scene.body_units = {};
     if (!isBvh(out.scene.motion)) out.scene.clip_unit_meters = 0;
@@ -441,6 +475,8 @@ Settings SettingsOptions::over(Settings out) const {
     out.scene.groom.assign(groom_.begin(), groom_.end());
     out.scene.length = 0;
   }
+  if (app_.count("--hair-files") > 0) out.scene.hairs.assign(hairs_.begin(), hairs_.end());
+  if (app_.count("--guides") > 0) out.scene.guides = guideChoiceOf(guides_);
   if (isGiven("--transport")) {  // replaces the file's addresses
     out.peers.clear();
     out.discovery_server.clear();
@@ -483,6 +519,7 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--groom-id", out.groom_id, given_.groom_id);
   if (!codec_.empty()) out.codec.codec = codecNamed(codec_, "--codec");
   lay("--codec-error", out.codec.max_error, static_cast<float>(codec_error_mm_ * 1e-3));
+  lay("--hair-error", out.codec.hair_error, static_cast<float>(hair_error_mm_ * 1e-3));
   lay("--zstd", out.codec.zstd, given_.codec.zstd);
   lay("--key-interval", out.codec.key_interval, given_.codec.key_interval);
   out.codec.threads = out.threads;

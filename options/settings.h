@@ -96,14 +96,19 @@ class SettingsOptions {
   const CLI::App *scene_ = nullptr, *simulation_ = nullptr;  ///< option groups
   std::filesystem::path config_;
   Settings given_;
+  std::string guides_;
   std::string up_, body_up_, solver_, codec_, body_contact_, body_clip_, body_joint_, body_roots_;
-  double codec_error_mm_ = 0;
+  double codec_error_mm_ = 0, hair_error_mm_ = 0;
   bool sag_free_ = true;
-  std::vector<std::string> groom_, material_, set_;
+  std::vector<std::string> groom_, hairs_, material_, set_;
 };
 
 /// "auto", "x", "y" or "z"; Error otherwise, naming `where`.
 UpAxis upAxisOf(const std::string& name, const std::string& where = "--up");
+
+/// "all", a share of the groom's strands as "5%", or else a file. Throws Error, naming `where`, on an empty
+/// text and on a share that is not above 0 and below 100 %.
+GuideChoice guideChoiceOf(const std::string& text, const std::string& where = "--guides");
 
 /// "field" or "spheres"; Error otherwise, naming `where`.
 BodyContact bodyContactOf(const std::string& name, const std::string& where = "--body-contact");

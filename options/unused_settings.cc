@@ -29,6 +29,7 @@ struct UnusedSetting {
 };
 
 bool hasFiles(const Settings& s) { return !s.scene.groom.empty(); }
+bool hasHairs(const Settings& s) { return !s.scene.hairs.empty(); }
 bool hasBody(const Settings& s) { return !s.scene.body.empty(); }
 bool hasNoBodyFile(const Settings& s) { return !hasBody(s); }
 bool hasNoBody(const Settings& s) { return hasFiles(s) && !hasBody(s); }
@@ -63,6 +64,14 @@ constexpr UnusedSetting kSceneRules[] = {
      "hair of groom files has its own length", "leave length out (--length): it is for procedural scenes", kRefused},
     {"seed", "groom.files", hasFiles,
      "groom files use no random numbers", "leave the seed out", kWarned},
+    {"groom.hair_files", "scene", isGrown,
+     "a procedural scene has no hairs that follow guides", "leave it out, or give a --groom", kRefused},
+    {"groom.guides", "scene", isGrown,
+     "a procedural scene has no hairs that follow guides", "leave it out, or give a --groom", kRefused},
+    {"groom.guides", "groom.hair_files", hasHairs,
+     "where hairs have files of their own, all strands of the groom are guides", "leave one of them out", kRefused},
+    {"groom.strands", "groom.guides", [](const Settings& s) { return s.scene.guides.share > 0; },
+     "the share gives the number of guides", "leave one of them out", kRefused},
     {"groom.unit_meters", "scene", isGrownAlone,
      "procedural hair is in metres", "leave it out, or give a --groom", kRefused},
     {"groom.up", "scene", isGrownAlone,

@@ -17,6 +17,7 @@
 #include "core/hash.h"
 #include "groom/groom.h"
 #include "groom/groom_operations.h"
+#include "groom/hair_binding.h"
 #include "groom/procedural_body.h"
 #include "io/mesh_file.h"
 #include "scenes/head_motion.h"
@@ -69,6 +70,16 @@ const NamedScene& namedScene(const std::string& name) {
     names += (names.empty() ? "" : ", ") + scene.info.name;
   }
   throw Error("unknown scene", name, "choose one of " + names);
+}
+
+std::vector<std::filesystem::path> guideFiles(const SceneOptions& options) {
+  return options.guides.file.empty() ? options.groom
+                                     : std::vector<std::filesystem::path>{options.guides.file};
+}
+
+/// Empty where hairs, if any, are strands of the guides' files.
+std::vector<std::filesystem::path> hairFiles(const SceneOptions& options) {
+  return options.guides.file.empty() ? options.hairs : options.groom;
 }
 
 /// Sets the materials of parts, and hair_radius from the thickest. Called before any bake: fields depend on
@@ -323,7 +334,7 @@ void fitUnitToBody(const SceneOptions& options, const ClosestPoint& scalp, Scene
     return;
   GroomReadOptions units = options.units;
   units.unit_meters = best;
-  scene.groom = loadGroom(options.groom, units);
+  scene.groom = loadGroom(guideFiles(options), units);
   scene.groom.report.warnings.push_back(
       fmt::format("{}: the unit is guessed: {:g} m, with which the roots are {:.1f} mm off the body ({:.1f} "
                   "mm with {:g} m, the guess from the groom's size alone); give --unit-meters to be sure",
@@ -362,6 +373,13 @@ void reportWarnings(const SceneOptions& options, Scene& scene) {
     for (const std::string& line : std::exchange(*lines, {})) options.warns_early(line);
 }
 
+ClosestPoint scalpOf(const TriangleMesh& body) {
+  return [query = std::make_shared<MeshQuery>(body)](const Vec3& point) {
+    const MeshPoint found = query->closest(point);
+    return SurfacePoint{found.position, found.triangle, found.barycentric, found.distance};
+  };
+}
+
 void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   report(progress, "reading the body", 0.2);
   const GroomReadOptions units =
@@ -384,11 +402,7 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
     scene.body = std::move(body.mesh);
   }
   report(progress, "binding roots to the body", 0.4);
-  const auto query = std::make_shared<MeshQuery>(scene.body);
-  const ClosestPoint scalp = [query](const Vec3& point) {
-    const MeshPoint found = query->closest(point);
-    return SurfacePoint{found.position, found.triangle, found.barycentric, found.distance};
-  };
+  const ClosestPoint scalp = scalpOf(scene.body);
   const bool is_unit_known = isGltf(options.body) || options.body_units.unit_meters > 0;
   if (scene.groom.report.is_unit_guessed && is_unit_known) fitUnitToBody(options, scalp, scene);
   orientRoots(scene.groom, scalp);
@@ -418,6 +432,72 @@ void growOnSkin(const StrandSet& strands, size_t pinned, Scene& scene) {
   scene.notes.insert(scene.notes.end(), found.begin(), found.end());
 }
 
+/// Hairs of files of their own, in the unit and at the place of the groom.
+StrandSet loadHairs(const SceneOptions& options, const std::vector<std::filesystem::path>& files,
+                    Scene& scene) {
+  Groom hairs = loadGroom(files, options.units);
+  GroomReadOptions units = options.units;
+  units.unit_meters = scene.groom.report.unit_meters;
+  if (hairs.report.is_unit_guessed && hairs.report.unit_meters != units.unit_meters)
+    hairs = loadGroom(files, units);
+  if (!scene.body.positions.empty()) orientRoots(hairs, scalpOf(scene.body));
+  for (const std::string& line : hairs.report.lines()) scene.notes.push_back("the hairs: " + line);
+  for (const std::string& line : hairs.report.warnings) scene.warnings.push_back("the hairs: " + line);
+  // Parts are the numbers of files.
+  if (files.size() != guideFiles(options).size()) hairs.strands.parts.clear();
+  return std::move(hairs.strands);
+}
+
+/// Indices of the strands that are marked as guides or, with `marked` false, of the others.
+std::vector<uint32_t> strandsThatAre(bool marked, const StrandSet& strands) {
+  std::vector<uint32_t> found;
+  for (uint32_t s = 0; s < strands.strands(); ++s)
+    if ((strands.is_guide[s] != 0) == marked) found.push_back(s);
+  return found;
+}
+
+/// Takes from the groom the strands that are not guides. Returns the hairs that follow those.
+StrandSet takeHairs(const SceneOptions& options, Scene& scene) {
+  StrandSet& strands = scene.groom.strands;
+  if (const std::vector<std::filesystem::path> files = hairFiles(options); !files.empty())
+    return loadHairs(options, files, scene);
+  const GuideChoice& choice = options.guides;
+  if (choice.all) return {};
+  if (choice.share > 0) {
+    const auto count =
+        static_cast<size_t>(std::lround(choice.share * static_cast<double>(strands.strands())));
+    StrandSet hairs = strands;
+    strands = subset(strands, chooseGuides(strands, std::max<size_t>(count, 1)));
+    return hairs;
+  }
+  if (strands.is_guide.empty()) return {};
+  const std::vector<uint32_t> guides = strandsThatAre(true, strands);
+  if (guides.empty() || guides.size() == strands.strands()) return {};
+  StrandSet hairs = subset(strands, strandsThatAre(false, strands));
+  strands = subset(strands, guides);
+  scene.notes.push_back(
+      fmt::format("{} strands are marked as guides, and {} others follow them; --guides all simulates all",
+                  strands.strands(), hairs.strands()));
+  return hairs;
+}
+
+void bindSceneHairs(StrandSet hairs, Scene& scene) {
+  if (hairs.strands() == 0) return;
+  hairs.pinned.clear();
+  hairs.is_guide.clear();
+  hairs.groups.clear();
+  if (std::ranges::any_of(hairs.radii, [](float radius) { return radius > kThickestHair; })) {
+    hairs.radii.clear();
+    scene.warnings.push_back("the hairs are drawn without their radii, of which some are above 1 cm");
+  }
+  const std::vector<HairBinding> bindings = bindHairs(hairs, scene.groom.strands);
+  const std::vector<uint32_t> order = orderByGuide(bindings);
+  scene.hairs.strands = subset(hairs, order);
+  for (const uint32_t h : order) scene.hairs.bindings.push_back(bindings[h]);
+  scene.notes.push_back(
+      fmt::format("{} hairs follow {} guides", hairs.strands(), scene.groom.strands.strands()));
+}
+
 Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   Scene scene;
   scene.parameters = sceneParameters(options);
@@ -425,8 +505,9 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
   for (const std::filesystem::path& file : options.groom) scene.part_names.push_back(file.stem().string());
   makeMaterials(options, scene);
   report(progress, "reading the groom", 0.1);
-  scene.groom = loadGroom(options.groom, options.units);
+  scene.groom = loadGroom(guideFiles(options), options.units);
   if (!options.body.empty()) fitBody(options, progress, scene);
+  StrandSet hairs = takeHairs(options, scene);
   StrandSet& strands = scene.groom.strands;
   if (options.strands > 0 && static_cast<size_t>(options.strands) < strands.strands()) {
     report(progress, "choosing guides", 0.97);
@@ -440,6 +521,8 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     scene.groom.report.resampled = strands.strands();
     cleanStrands(scene.groom);
   }
+  report(progress, "binding hairs to guides", 0.97);
+  bindSceneHairs(std::move(hairs), scene);
   for (std::string& line : scene.groom.report.lines()) scene.notes.push_back(std::move(line));
   for (const std::string& line : scene.groom.report.warnings) scene.warnings.push_back(line);
   if (!strands.radii.empty())
@@ -502,6 +585,13 @@ namespace {
 
 /// Throws Error on options that do not apply to the kind of groom, of files or procedural.
 void checkHair(const SceneOptions& options) {
+  const GuideChoice& guides = options.guides;
+  if (options.groom.empty() && (!options.hairs.empty() || !guides.file.empty() || guides.share > 0))
+    throw Error("a procedural scene has no hairs that follow guides",
+                "hairs or guides (--hair-files, --guides)", "name groom files (--groom)");
+  if (!options.hairs.empty() && (!guides.file.empty() || guides.share > 0 || guides.all))
+    throw Error("where hairs have files of their own, all strands of the groom are guides",
+                "guides (--guides)", "leave hairs or guides out");
   if (options.groom.empty() && !options.body.empty())
     throw Error("no hair is given for this body", options.body.string(),
                 "name groom files (--groom), or leave the body out: procedural scenes have their own");

@@ -26,10 +26,25 @@ enum class BodyContact {
   kNone      ///< no contact: hair passes through the body. For looking at a scene without baking a field
 };
 
+/// Which strands of groom files are guides, which are simulated. Hair of the artist follows them, or hair
+/// grows from them.
+struct GuideChoice {
+  /// Strands of other files are the guides, and all strands of the groom follow them.
+  std::filesystem::path file;
+  /// Share of the groom's strands that are guides, spread evenly, 0 to 1; all strands follow them. 0: none is
+  /// given.
+  double share = 0;
+  /// All strands are guides, also where files mark some. Default: where some strands are marked these are the
+  /// guides, and the others follow them; else all are guides.
+  bool all = false;
+};
+
 /// Input of a scene: a named procedural scene, or groom files with an optional body.
 struct SceneOptions {
   std::string name = "straight";             ///< one of sceneList(); used when `groom` is empty
   std::vector<std::filesystem::path> groom;  ///< groom files, read into one groom
+  std::vector<std::filesystem::path> hairs;  ///< files of hairs that follow the strands of `groom`
+  GuideChoice guides;                        ///< default where there are `hairs`: all strands of `groom`
   std::filesystem::path body;                ///< body mesh; empty: none (or the procedural body)
   std::string body_name;                     ///< name in commands; empty: none
   GroomReadOptions units;       ///< of groom files, and of .obj bodies without units of their own
@@ -57,10 +72,17 @@ struct SceneOptions {
   std::function<void(const std::string& warning)> warns_early;
 };
 
+/// Hairs of the artist, which follow the guides of a scene.
+struct SceneHairs {
+  StrandSet strands;                  ///< at rest, m, groom frame; in the order of their first guides
+  std::vector<HairBinding> bindings;  ///< per strand
+};
+
 /// Input of a simulation and a renderer, shared by daemon, tests and benchmarks.
 struct Scene {
   std::string name;
-  Groom groom;
+  Groom groom;       ///< its strands are the guides
+  SceneHairs hairs;  ///< none: hair grows from the guides
   /// By StrandSet::parts: stems of the groom files, or the scene's name.
   std::vector<std::string> part_names;
   std::vector<Material> materials;  ///< by part

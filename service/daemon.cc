@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <thread>
+#include <utility>
 
 #include "core/error.h"
 #include "service/colliders.h"
@@ -18,6 +19,25 @@ namespace strandcast {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+uint8_t srgbOf(float linear) {
+  const float clamped = std::clamp(linear, 0.0f, 1.0f);
+  const float srgb = clamped <= 0.0031308f ? 12.92f * clamped
+                                           : 1.055f * std::pow(clamped, 1 / 2.4f) - 0.055f;  // IEC 61966-2-1
+  return static_cast<uint8_t>(std::lround(255 * srgb));
+}
+
+/// The channel sets groom, session and revision.
+HairDescription described(SceneHairs hairs) {
+  HairDescription out;
+  for (const Vec3& colour : hairs.strands.colours)
+    out.colours.push_back({srgbOf(colour.x()), srgbOf(colour.y()), srgbOf(colour.z())});
+  hairs.strands.colours.clear();
+  out.ids = std::exchange(hairs.strands.ids, {});
+  out.hairs = std::move(hairs.strands);
+  out.bindings = std::move(hairs.bindings);
+  return out;
+}
 
 double millisecondsOf(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 
@@ -44,6 +64,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
   groom_.name = scene.name;
   groom_.hair_radius = controlled_.simulation.parameters().hair_radius;
   groom_.guides = std::move(scene.groom.strands);
+  hairs_ = described(std::move(scene.hairs));
   body_.groom_id = settings.groom_id;
   body_.session = session;
   body_.mesh = std::move(scene.body);
@@ -58,9 +79,11 @@ void Daemon::announce() {
                             "which then form one body",
                             kMaxPlacedColliders));
   publisher_.announce(groom_, body_);
+  if (hairs_.hairs.strands() > 0) publisher_.announceHairs(hairs_);
   controlled_.colliders.announce();
   groom_ = {};
   body_ = {};
+  hairs_ = {};
 }
 
 void Daemon::answer(uint64_t command, const std::string& refusal) {

@@ -35,7 +35,8 @@ class Daemon {
   Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session);
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
-  /// Announces groom and body. Call once, before the first frame. Throws Error.
+  /// Announces groom, body and the hairs that follow the groom. Call once, before the first frame. Throws
+  /// Error.
   void announce();
   const Status& status() const { return report_.status(); }
   const std::vector<NamedWindSource>& windSources() const { return controlled_.wind.sources(); }
@@ -77,8 +78,9 @@ class Daemon {
   StatusReport report_;
   GroomSharing sharing_;
   CommandExecutor executor_;
-  GroomDescription groom_;  ///< emptied by announce(), as is body_
+  GroomDescription groom_;  ///< emptied by announce(), as are body_ and hairs_
   BodyDescription body_;
+  HairDescription hairs_;
   GuideFrame frame_;
   double time_accumulator_ = 0;                       ///< s of simulation time that steps have yet to cover
   std::chrono::steady_clock::time_point cast_since_;  ///< start of run()

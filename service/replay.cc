@@ -133,6 +133,7 @@ void Replay::publish(double elapsed) {
     groom.session = body.session = frame_.session;
     groom.revision = ++revision_;
     publisher_.announce(groom, body);
+    if (read_.hairs) publisher_.announceHairs(*read_.hairs);
     announced_ = read_.groom;
     frame_.revision = revision_;
     status_.groom_name = groom.name;

@@ -169,6 +169,7 @@ bool StreamRecording::describe(const GuideFrame& frame) {
   const StreamScene scene = StreamScene::of(subscriber_);
   if (!scene.fits(frame)) return false;
   recorder_.setGroom(*scene.groom, *scene.body);
+  if (scene.hairs) recorder_.setHairs(*scene.hairs);
   return true;
 }
 

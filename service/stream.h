@@ -19,16 +19,19 @@
 
 namespace strandcast {
 
-/// The groom and body that a stream's frames are drawn or recorded with.
+/// The groom, its body and hairs that a stream's frames are drawn or recorded with.
 struct StreamScene {
   std::shared_ptr<const GroomDescription> groom;
   std::shared_ptr<const BodyDescription> body;
+  std::shared_ptr<const HairDescription> hairs = nullptr;  ///< that follow the groom; null: none are here
 
   /// What has arrived so far. Groom and body arrive separately: one may be missing, or they may be of two
   /// daemons.
-  static StreamScene of(const Subscriber& subscriber) { return {subscriber.groom(), subscriber.body()}; }
+  static StreamScene of(const Subscriber& subscriber) {
+    return {subscriber.groom(), subscriber.body(), subscriber.hairs()};
+  }
 
-  /// Whether both have arrived and match the frame's session and revision.
+  /// Whether groom and body have arrived and match the frame's session and revision.
   bool fits(const GuideFrame& frame) const {
     const auto is_of_it = [&](const auto& description) {
       return description && description->session == frame.session && description->revision == frame.revision;
