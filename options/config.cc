@@ -415,6 +415,8 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     daemon.wholeNumber("threads", 0, 1024, [&](double v) { s.threads = static_cast<int>(v); });
     daemon.number("rate", 1, 1000, [&](double v) { s.rate = v; });
     daemon.number("duration", 0, 1e9, [&](double v) { s.duration = v; });
+    daemon.number("pose_delay_max", 0, 0.4, [&](double v) { s.poses.delay_max = v; });
+    daemon.number("pose_extrapolate", 0, 1, [&](double v) { s.poses.extrapolate = v; });
     daemon.text("collider_folder", [&](const std::string& v) {
       if (v.empty())
         throw Error("the folder of colliders has no name", daemon.place("collider_folder"),

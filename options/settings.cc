@@ -96,6 +96,8 @@ constexpr std::pair<const char*, const char*> kOptionKeys[] = {
     {"--rate", "daemon.rate"},
     {"--duration", "daemon.duration"},
     {"--collider-folder", "daemon.collider_folder"},
+    {"--pose-delay-max", "daemon.pose_delay_max"},
+    {"--pose-extrapolate", "daemon.pose_extrapolate"},
     {"--transport", "transport.kind"},
     {"--profile", "transport.profile"},
     {"--keys", "transport.keys"},
@@ -339,11 +341,21 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
         ->check(finiteRange(0.0, 1e9));
     addNetworkOptions(app, given_);
   }
-  if (use == SettingsUse::kServe)
+  if (use == SettingsUse::kServe) {
     app.add_option(
         "--collider-folder", given_.collider_folder,
         "folder with meshes (.obj, .gltf, .glb) that `strandcast ctl collider add NAME mesh FILE` and `... "
         "convex FILE` may name, from any machine that may command. Without it commands may not open files");
+    app.add_option(
+           "--pose-delay-max", given_.poses.delay_max,
+           "longest time, s, for which steps wait for late poses of a program that moves the character")
+        ->check(finiteRange(0.0, 0.4))
+        ->capture_default_str();
+    app.add_option("--pose-extrapolate", given_.poses.extrapolate,
+                   "time, s, within which such a motion comes to rest where poses stay away")
+        ->check(finiteRange(0.0, 1.0))
+        ->capture_default_str();
+  }
   app.add_option("--codec", codec_, codecHelp())->check(CLI::IsMember(codecNames()));
   app.add_option("--codec-error", codec_error_mm_,
                  "largest distance, mm, of a received guide vertex from the simulated one (default 0.01)")
@@ -509,6 +521,8 @@ Settings SettingsOptions::over(Settings out) const {
   lay("--duration", out.duration, given_.duration);
   lay("--collider-folder", out.collider_folder, given_.collider_folder);
   if (!out.collider_folder.empty()) out.collider_folder = std::filesystem::absolute(out.collider_folder);
+  lay("--pose-delay-max", out.poses.delay_max, given_.poses.delay_max);
+  lay("--pose-extrapolate", out.poses.extrapolate, given_.poses.extrapolate);
   lay("--transport", out.transport, given_.transport);
   lay("--profile", out.profile, given_.profile);
   lay("--keys", out.keys, given_.keys);

@@ -21,6 +21,12 @@ namespace strandcast {
 /// Largest seed: beyond it a TOML number is no longer exact as a whole number.
 constexpr double kLargestSeed = 1e15;
 
+/// How a daemon takes the poses of live sources (service/live_poses.h).
+struct PoseOptions {
+  double delay_max = 0.25;   ///< s, longest that steps wait for late poses, 0 to 0.4
+  double extrapolate = 0.1;  ///< s for which motion goes on without poses, 0 to 1
+};
+
 /// All settings of a daemon (or of a viewer with an embedded daemon), from a TOML file and from options;
 /// options win.
 struct Settings {
@@ -45,6 +51,7 @@ struct Settings {
   CodecOptions codec;                    ///< of the frames that are cast
   double rate = 60;                      ///< frames published per second
   double duration = 0;                   ///< s; 0 = until interrupted
+  PoseOptions poses;
   /// Absolute; commands may name files in it. Empty: commands may open no file.
   std::filesystem::path collider_folder;
 

@@ -213,8 +213,10 @@ Pose SkinnedBody::carried(double seconds) const {
   return rigid(skin_.skeleton.worldTransforms(played(seconds))[joint_]) * rigid(rest_[joint_]).inverse();
 }
 
-SkinnedBody::Moment SkinnedBody::at(double seconds, const Pose& head) const {
-  return momentOf(skin_.skeleton.worldTransforms(played(seconds)), weightsAt(seconds), head);
+SkinnedBody::Moment SkinnedBody::at(double seconds, const Pose& head, std::span<const float> weights) const {
+  return momentOf(skin_.skeleton.worldTransforms(played(seconds)),
+                  weights.empty() ? weightsAt(seconds) : std::vector<float>(weights.begin(), weights.end()),
+                  head);
 }
 
 SkinnedBody::Moment SkinnedBody::fromPalette(std::span<const std::optional<Placement>> motions,

@@ -56,7 +56,8 @@ class SkinnedBody {
     std::vector<float> weights;       ///< per target of SkinnedMesh::targets
     std::vector<Placement> bindings;  ///< result of SkinnedMesh::bindingsAt
   };
-  Moment at(double seconds, const Pose& head) const;
+  /// `weights`: per target of SkinnedMesh::targets, in place of the clip's; empty: the clip's.
+  Moment at(double seconds, const Pose& head, std::span<const float> weights = {}) const;
   /// As at(), with a palette in place of the clip: nothing is looped or blended. `motions`: per joint of the
   /// skeleton its motion from rest, x_world = motion * x_rest, m, in the axes of skin().mesh. A joint without
   /// one moves rigidly with its nearest ancestor that has one; without such an ancestor it stays at rest.

@@ -141,6 +141,13 @@ void ColliderRegistry::erase(const std::string& name) {
   named_.erase(known);
 }
 
+void ColliderRegistry::place(const std::string& name, const Pose& pose) {
+  const auto known = named_.find(name);
+  if (known == named_.end() || !standsFree(known->second)) return;
+  simulation_.setBodyPose(known->second.body, pose);
+  known->second.tween.reset();
+}
+
 void ColliderRegistry::advance(double time) {
   for (auto& [name, collider] : named_) {
     if (!collider.tween) continue;

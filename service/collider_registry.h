@@ -66,6 +66,9 @@ class ColliderRegistry {
   /// Refuses the bodies that are not made yet; addNextMade() then has all results.
   void stopMaking() { maker_.stop(); }
 
+  /// Poses a collider for the end of the next step and ends its motion by command. Nothing happens where
+  /// there is none of this name, or it does not stand free. Throws Error as checkPose().
+  void place(const std::string& name, const Pose& pose);
   /// Poses colliders that commands are moving for `time`, s of simulation: the end of the next step.
   void advance(double time);
   /// Announces all bodies of the simulation. Throws Error as Publisher::announceColliders().

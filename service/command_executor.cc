@@ -42,8 +42,10 @@ void CommandExecutor::apply(const Command& command) {
       controlled_.parameters.set(command, where);
       return reportParameters();
     case CommandKind::kHeadPose:
+      controlled_.poses.checkHeadFree(where);
       return controlled_.head.moveTo(command, where);
     case CommandKind::kHeadMotion:
+      controlled_.poses.checkHeadFree(where);
       return controlled_.head.play(command);
     case CommandKind::kReset:
       controlled_.reset();
@@ -64,6 +66,7 @@ void CommandExecutor::apply(const Command& command) {
     case CommandKind::kAddColliderFile:
       return controlled_.colliders.addFile(command, where);
     case CommandKind::kMoveCollider:
+      controlled_.poses.checkBodyFree(command.name, where);
       return controlled_.colliders.move(command, where);
     case CommandKind::kRemoveCollider:
       controlled_.colliders.remove(command, where);

@@ -13,6 +13,8 @@
 #include "core/smooth_step.h"
 #include "service/commands.h"
 #include "service/scene_simulation.h"
+#include "transport/commands.h"
+#include "transport/frame_queue.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -66,14 +68,39 @@ void HeadMotionControl::play(const Command& command) {
 void HeadMotionControl::set(HeadControl control) {
   motion_ = motionOf(control, scene_motion_, pivot_);
   control_ = std::move(control);
+  posed_head_.reset();
+}
+
+void HeadMotionControl::poseJoint(size_t joint, const Placement& motion) {
+  palette_.resize(skinned_->skin().skeleton.joints.size());
+  palette_[joint] = motion;
+}
+
+void HeadMotionControl::weigh(size_t target, float weight) {
+  if (weights_.empty()) weights_ = skinned_->skin().restWeights();
+  weights_[target] = weight;
+}
+
+SkinnedBody::Moment HeadMotionControl::momentAt(double time, const Pose& head) const {
+  if (!palette_.empty()) return skinned_->fromPalette(palette_, weights_, head);
+  return skinned_->at(time, head, weights_);
 }
 
 void HeadMotionControl::advance(double time) {
-  strandcast::moveTo(skinned_.get(), time, motion_(time - control_.start), simulation_);
+  const Pose head = posed_head_ ? *posed_head_ : motion_(time - control_.start);
+  if (palette_.empty() && weights_.empty())
+    return strandcast::moveTo(skinned_.get(), time, head, simulation_);
+  // A palette may put parts of the body out of range; what it did not reach then stays where it is.
+  const std::string why = errorTextOf([&] { place(*skinned_, momentAt(time, head), head, simulation_); });
+  if (!why.empty() && !std::exchange(has_warned_, true)) spdlog::warn("poses of a live source: {}", why);
 }
 
 Pose HeadMotionControl::motionPose() const {
-  const Pose carried = skinned_ ? skinned_->carried(simulation_.time()) : Pose{};
+  if (posed_head_) return *posed_head_;
+  const double time = simulation_.time();
+  const Pose carried = !skinned_          ? Pose{}
+                       : palette_.empty() ? skinned_->carried(time)
+                                          : momentAt(time, {}).carried;
   return carried.inverse() * simulation_.headPose();
 }
 
@@ -311,12 +338,19 @@ ControlledSimulation::ControlledSimulation(const Settings& settings, const Scene
       head(scene.motion, scene.head_pivot, scene.skinned, simulation),
       wind(settings.wind_sources, simulation),
       hand(simulation),
-      colliders(scene, settings.collider_folder, simulation, publisher, session) {}
+      colliders(scene, settings.collider_folder, simulation, publisher, session),
+      poses(scene, settings.poses, simulation, head, colliders, publisher) {}
 
 size_t ControlledSimulation::advance() {
   hand.releaseIfOver();
   const double end = simulation.time() + simulation.parameters().time_step;
+  const bool is_cut = poses.advance(end, static_cast<int64_t>(steadyTime()));
   moveTo(end);
+  if (is_cut) {
+    ++cuts;
+    simulation.releaseHair();  // the hand stays where the hair was
+    simulation.jumpToPoses();
+  }
   wind.advance(end);
   simulation.step();
   return simulation.resetDiverged();  // waits for the backend, so that the caller's clock has the whole step

@@ -17,6 +17,7 @@
 #include "scenes/head_motion.h"
 #include "scenes/skinned_body.h"
 #include "service/collider_registry.h"
+#include "service/live_poses.h"
 #include "transport/messages.h"
 #include "transport/publisher.h"
 
@@ -62,16 +63,33 @@ class HeadMotionControl {
   /// Throws Error on an unknown motion.
   void set(HeadControl control);
   const HeadControl& control() const { return control_; }
+
+  // Poses by live sources (LivePoses), in place of the motion and of the body's clip. The head's stays until
+  // set(). The indices are those of the skinned body.
+  void poseHead(const Pose& head) { posed_head_ = head; }
+  /// Joints without a motion follow their ancestors: SkinnedBody::fromPalette().
+  void poseJoint(size_t joint, const Placement& motion);
+  void releaseJoints() { palette_.clear(); }
+  /// Targets without a weight are as at rest.
+  void weigh(size_t target, float weight);
+  void releaseWeights() { weights_.clear(); }
+
   /// Sets the poses of head, roots and parts of the body for `time`, s of simulation: the end of the next
   /// step.
   void advance(double time);
 
  private:
-  /// The head pose of the motion alone, without the clip.
+  /// The head pose of the motion alone, without clip or palette.
   Pose motionPose() const;
+  /// State of the skinned body at `time`, with the head's motion at `head`.
+  SkinnedBody::Moment momentAt(double time, const Pose& head) const;
 
   HeadMotion scene_motion_, motion_;
   HeadControl control_;  ///< the source of motion_
+  std::optional<Pose> posed_head_;
+  std::vector<std::optional<Placement>> palette_;  ///< per joint, or empty: the clip's
+  std::vector<float> weights_;                     ///< per morph target, or empty: the clip's
+  bool has_warned_ = false;
   Vec3 pivot_;
   std::shared_ptr<const SkinnedBody> skinned_;
   Simulation& simulation_;
@@ -200,8 +218,8 @@ struct ControlledSimulation {
   ControlledSimulation(const ControlledSimulation&) = delete;
   ControlledSimulation& operator=(const ControlledSimulation&) = delete;
 
-  /// Takes a step: head, colliders and wind move to its end. Returns the number of strands that were reset
-  /// because they had diverged.
+  /// Takes a step: live sources, head, colliders and wind move to its end. Returns the number of strands that
+  /// were reset because they had diverged.
   size_t advance();
   /// Moves head and colliders to where they are at `time`, s of simulation.
   void moveTo(double time);
@@ -216,8 +234,10 @@ struct ControlledSimulation {
   WindControl wind;
   HandControl hand;
   ColliderRegistry colliders;
+  LivePoses poses;
   StepSchedule steps;
   uint32_t resets = 0;  ///< since the start of the show
+  uint32_t cuts = 0;    ///< jumps of the motion by live sources
 };
 
 }  // namespace strandcast

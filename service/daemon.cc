@@ -14,6 +14,7 @@
 #include "service/colliders.h"
 #include "service/frame_pacer.h"
 #include "transport/commands.h"
+#include "transport/frame_queue.h"
 
 namespace strandcast {
 namespace {
@@ -128,6 +129,7 @@ void Daemon::publishFrame() {
                                                   std::chrono::system_clock::now().time_since_epoch())
                                                   .count());
   if (sharing_.isParticipating()) publisher_.publish(frame_);
+  controlled_.poses.countFrame(static_cast<int64_t>(steadyTime()));
   report_.setFrames(frame_.frame);
   report_.measureSlice(static_cast<size_t>(std::ceil(static_cast<double>(simulation.model().strands()) /
                                                      std::max(kStatusInterval * settings_.rate, 1.0))));
@@ -136,6 +138,7 @@ void Daemon::publishFrame() {
 
 void Daemon::publishStatus() {
   report_.setParameters(controlled_.table());
+  report_.setPoses(controlled_.poses.metrics(static_cast<int64_t>(steadyTime())));
   report_.measure();
   report_.setChannel(publisher_.matchedReaders(), publisher_.encoding());
   publisher_.publishStatus(status());
@@ -174,6 +177,8 @@ bool Daemon::castFrame(const std::atomic<bool>& stop) {
   }
   const double step = controlled_.simulation.parameters().time_step;
   const bool is_paused = controlled_.steps.isPaused();
+  if (is_paused)
+    controlled_.poses.idle(controlled_.simulation.time() + step, static_cast<int64_t>(steadyTime()));
   if (is_paused && !sharing_.isFollowing()) {
     if (!controlled_.steps.requests().empty() && !runRequestedSteps(stop)) return false;
     publishFrame();
@@ -188,6 +193,12 @@ bool Daemon::castFrame(const std::atomic<bool>& stop) {
   publishFrame();
   if (turn == CastingState::kOwn) sharing_.publishShowIfDue();
   return true;
+}
+
+double Daemon::nextFrameEnd() const {
+  const double step = double{controlled_.simulation.parameters().time_step};
+  const double ahead = time_accumulator_ + 1 / settings_.rate;
+  return controlled_.simulation.time() + step * std::floor(ahead / step + 1e-6);
 }
 
 DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
@@ -206,7 +217,8 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     }
     if (settings_.duration > 0 && std::chrono::duration<double>(now - start).count() >= settings_.duration)
       break;
-    std::this_thread::sleep_until(pacer.next(Clock::now()));
+    std::this_thread::sleep_until(pacer.next(Clock::now(), controlled_.poses.wantedAt(nextFrameEnd())));
+    if (pacer.isTooSlow()) controlled_.poses.release();
   }
   executor_.dropSteps("the daemon ends");
   executor_.dropBodies();
@@ -214,6 +226,7 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   summary.late_frames = pacer.lateFrames();
   summary.status = status();
+  summary.poses = report_.poses();
   summary.failure = failure_;
   return summary;
 }

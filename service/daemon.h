@@ -22,7 +22,8 @@ struct DaemonSummary {
   Status status;
   double seconds = 0;        ///< wall time
   uint64_t late_frames = 0;  ///< frames published late, because the machine was too slow
-  std::string failure;       ///< why the daemon ended on its own; empty after a stop or its duration
+  PoseMetrics poses;
+  std::string failure;  ///< why the daemon ended on its own; empty after a stop or its duration
 };
 
 /// Simulates one scene at a steady rate and publishes it: takes commands, steps, publishes frames and
@@ -57,6 +58,8 @@ class Daemon {
   /// From now on a frame waits for the bodies that its commands make from files, so that runs are
   /// reproducible. By default such a body appears some frames later, once it is made.
   void waitForBodies() { waits_for_bodies_ = true; }
+  /// Steps take these poses in place of those of live sources.
+  void setRecordedPoses(LivePoses::Recorded recorded) { controlled_.poses.setRecorded(std::move(recorded)); }
 
  private:
   /// Answers a command, unless another daemon does.
@@ -68,6 +71,8 @@ class Daemon {
   /// Takes this frame's share of the steps that commands have requested. False when `stop` came first.
   bool runRequestedSteps(const std::atomic<bool>& stop);
   void advance();
+  /// End of the last step of the next frame, s of simulation.
+  double nextFrameEnd() const;
   void publishFrame();
   void publishStatus();
 

@@ -59,7 +59,14 @@ class PoseLock {
   /// stays.
   void release() { is_due_ = true; }
 
+  /// Takes the delay of another daemon that is locked to the same source. Nothing happens before the first
+  /// lock.
+  void adopt(int64_t delay_ns) {
+    if (is_locked_) delay_ = delay_ns;
+  }
+
   bool isLocked() const { return is_locked_; }
+  int64_t delay() const { return delay_; }
   int64_t timeOf(int64_t step_end_ns) const { return step_end_ns - delay_; }
   /// Moves the times of steps towards a sample: it is `error_ns` before the step that took it. At most 0.5 %
   /// of a step.

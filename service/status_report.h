@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/simulation.h"
+#include "service/live_poses.h"
 #include "transport/messages.h"
 
 namespace strandcast {
@@ -18,6 +19,9 @@ class StatusReport {
 
   const Status& status() const { return status_; }
   void setParameters(ParameterTable parameters) { status_.parameters = std::move(parameters); }
+  /// Of live sources.
+  void setPoses(const PoseMetrics& poses) { poses_ = poses; }
+  const PoseMetrics& poses() const { return poses_; }
   void setFrames(uint64_t frames) { status_.frames = frames; }
   void setChannel(uint32_t readers, const EncodingReport& encoding);
   void setTime() { status_.simulation_time = simulation_.time(); }
@@ -36,6 +40,7 @@ class StatusReport {
  private:
   Simulation& simulation_;
   Status status_;
+  PoseMetrics poses_;
   Measurement measured_;  ///< of the first strands_measured_ strands, since the last measure()
   size_t strands_measured_ = 0;
   std::vector<double> step_ms_;  ///< durations of the newest steps, a ring

@@ -41,6 +41,15 @@ struct ConflictingDaemon {
   bool operator==(const ConflictingDaemon&) const = default;
 };
 
+/// The poses that live sources gave to a step.
+struct StepPoses {
+  uint64_t step = 0;    ///< steps of the simulation before it
+  bool is_cut = false;  ///< the motion jumps: Simulation::jumpToPoses()
+  /// One sample, as taken: all that was posed, with its names. `source` and `time`: of the newest sample in
+  /// it.
+  PoseSamples poses;
+};
+
 /// Among daemons that share a groom: which one casts.
 enum class CastingState {
   kUnshared,   ///< the daemon does not share its groom
@@ -83,6 +92,8 @@ class Publisher {
   /// source, late ones and repeated samples included. Up to kMaxQueuedPoses messages wait; beyond that the
   /// oldest are dropped.
   virtual std::optional<PoseSamples> takePoses() { return std::nullopt; }
+  /// Records the poses of a step before the step is taken.
+  virtual void recordPoses(const StepPoses&) {}
   /// Number of readers of the guides: matched (DDS), or heard within 3 s (LCM).
   virtual uint32_t matchedReaders() const = 0;
   /// Size and error of the newest frame as encoded; empty in-process, where nothing is encoded.
