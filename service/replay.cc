@@ -286,7 +286,7 @@ class RecordedInputs final : public Publisher {
   RecordedInputs(Recording& recording, const std::string& name, ResimulationReport& report)
       : recording_(recording), name_(name), report_(report) {
     recording_.read(0, next_);
-    inputs_.assign(next_.inputs.begin(), next_.inputs.end());
+    takeInputs();
   }
   void announce(const GroomDescription& groom, const BodyDescription&) override {
     if (groom.guides.offsets != next_.groom->guides.offsets ||
@@ -312,23 +312,37 @@ class RecordedInputs final : public Publisher {
     if (is_over_) return;
     recording_.read(number, next_);
     is_over_ = next_.frame->session != frame.session;
-    inputs_.assign(next_.inputs.begin(), next_.inputs.end());
+    takeInputs();
   }
   void publishStatus(const Status&) override {}
   uint32_t matchedReaders() const override { return 0; }
   EncodingReport encoding() const override { return {}; }
   std::optional<ConflictingDaemon> conflict() const override { return std::nullopt; }
 
+  /// The poses that live sources gave to a step.
+  std::optional<StepPoses> poses(uint64_t step) {
+    while (!poses_.empty() && poses_.front().step < step) poses_.pop_front();
+    if (poses_.empty() || poses_.front().step != step) return std::nullopt;
+    StepPoses poses = std::move(poses_.front());
+    poses_.pop_front();
+    return poses;
+  }
   uint64_t session() const { return next_.frame->session; }
   double time() const { return next_.frame->simulation_time; }
   bool isOver() const { return is_over_; }
 
  private:
+  void takeInputs() {
+    inputs_.assign(next_.inputs.begin(), next_.inputs.end());
+    poses_.assign(next_.poses.begin(), next_.poses.end());
+  }
+
   Recording& recording_;
   const std::string& name_;
   ResimulationReport& report_;
   RecordedFrame next_;
   std::deque<Command> inputs_;
+  std::deque<StepPoses> poses_;
   bool is_over_ = false;
 };
 
@@ -354,6 +368,7 @@ ResimulationReport resimulate(Recording& recording, const std::string& name, con
   RecordedInputs inputs(recording, name, report);
   Daemon daemon(source.settings, std::move(source.scene), inputs, inputs.session());
   daemon.waitForBodies();
+  daemon.setRecordedPoses([&](uint64_t step) { return inputs.poses(step); });
   daemon.announce();
   report.backend = daemon.status().backend;
   report.device = daemon.status().device;

@@ -117,6 +117,23 @@ std::pair<uint64_t, std::string> numbered(const ShowEntry& entry) {
   return {id, std::string(rest, end)};
 }
 
+/// Seconds, and ns within one: a double is not exact over all clocks.
+ShowEntry entryOf(const LivePoses::Delay& delay) {
+  const int64_t second = delay.ns / kNsPerSecond;
+  return {ShowKind::kPoseSource,
+          fmt::format("{}", delay.source),
+          {static_cast<double>(second), static_cast<double>(delay.ns - second * kNsPerSecond)}};
+}
+
+LivePoses::Delay delayOf(const ShowEntry& entry, const std::string& where) {
+  checkCount(entry, 2, where);
+  constexpr double kFarthest = 9e9, kSecond = kNsPerSecond;
+  if (!(std::fabs(entry.values[0]) <= kFarthest && std::fabs(entry.values[1]) <= kSecond))
+    throw Error("a source of poses has an impossible delay", where, "");
+  return {numbered(entry).first,
+          static_cast<int64_t>(entry.values[0]) * kNsPerSecond + static_cast<int64_t>(entry.values[1])};
+}
+
 /// Whether a collider has the show's mesh; true where either has no hash.
 bool hasMeshOf(const Show& show, const std::string& name, const NamedCollider& collider) {
   const uint64_t shown = meshHashIn(show.entries, name);
@@ -270,6 +287,7 @@ Show ShowState::make(bool with_hair) {
   for (const WindControl::Ramp& way : controlled_.wind.tweens()) show.entries.push_back(entryOf(way));
   colliders_.addEntries(show.entries);
   show.entries.push_back(entryOf(controlled_.head.control()));
+  for (const LivePoses::Delay& delay : controlled_.poses.delays()) show.entries.push_back(entryOf(delay));
   if (controlled_.steps.isPaused()) show.entries.push_back({ShowKind::kPaused, "", {}});
   for (const StepSchedule::Request& steps : controlled_.steps.requests())
     show.entries.push_back(
@@ -313,6 +331,9 @@ double ShowState::restoreFrom(const Show& show) {
         break;
       case ShowKind::kHead:
         control = headControlOf(entry, where);
+        break;
+      case ShowKind::kPoseSource:
+        controlled_.poses.adopt(delayOf(entry, where));
         break;
       case ShowKind::kPaused:
         controlled_.steps.pause(true);

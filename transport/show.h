@@ -29,9 +29,10 @@ enum class ShowKind : uint32_t {
   kSteps = 10,
   kPull = 11,
   kResets = 12,
-  kAnswered = 13
+  kAnswered = 13,
+  kPoseSource = 14
 };
-inline constexpr uint32_t kShowKinds = 14;
+inline constexpr uint32_t kShowKinds = 15;
 
 /// The present state of one thing that commands steer.
 struct ShowEntry {

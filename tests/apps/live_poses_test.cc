@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <cstring>
 #include <deque>
 #include <functional>
@@ -14,8 +15,12 @@
 #include "service/command_executor.h"
 #include "service/controls.h"
 #include "service/daemon.h"
+#include "service/replay.h"
+#include "service/show_state.h"
+#include "tests/io/scratch_folder.h"
 #include "tests/scenes/furry_arm.h"
 #include "transport/frame_queue.h"
+#include "transport/recording/recorder.h"
 
 namespace strandcast {
 namespace {
@@ -474,6 +479,8 @@ TEST_F(LivePosesTest, MessagesWithoutKnownNamesAreRefused) {
 TEST_F(LivePosesTest, AStandbyTakesTheSamplesOfTheDaemonThatCasts) {
   PosedChannel channel;
   ControlledSimulation standby(fewStrands(), fewStrandsScene(), channel, 6);
+  StatusReport report(1, 6, "test", standby.simulation);
+  ShowState show(fewStrands(), {}, *controlled_, *report_), standby_show(fewStrands(), {}, standby, report);
   for (int step = 0; step < 60; ++step) {
     sender_.send({nodding(step / 60.0)});
     channel.waiting.push_back(channel_.waiting.back());
@@ -481,8 +488,9 @@ TEST_F(LivePosesTest, AStandbyTakesTheSamplesOfTheDaemonThatCasts) {
     if (step % 3 > 0) standby.advance();
     if (step % 3 == 2) standby.advance();  // as many steps, at other times
     if (step == 30) {
-      ASSERT_EQ(controlled_->poses.delays().size(), 1u);
-      standby.poses.adopt(controlled_->poses.delays()[0]);
+      const std::optional<Show> sent = showOf(showBytes(show.make(false)));
+      ASSERT_TRUE(sent);
+      (void)standby_show.restoreFrom(*sent);
     }
   }
   ASSERT_EQ(channel.recorded.size(), channel_.recorded.size());
@@ -554,10 +562,87 @@ TEST(LiveDaemon, KeepsThePaceOfASenderOfAnotherClock) {
   is_over = true;
   thread.join();
   size_t exact = 0;
-  for (const GuideFrame& frame : channel.frames)
-    for (int i = 0; i < 130; ++i) exact += areSame(frame.head, normalized(nodding(i / 60.0)));
+  for (const GuideFrame& frame : channel.frames) {
+    int sample = 0;
+    while (sample < 130 && !areSame(frame.head, normalized(nodding(sample / 60.0)))) ++sample;
+    exact += sample < 130 ? 1 : 0;
+  }
   std::printf("%zu of %zu frames show a sample bit for bit\n", exact, channel.frames.size());
   EXPECT_GT(exact, channel.frames.size() / 3) << "how many depends on the load of the machine";
+}
+
+/// Records a run of 120 frames, started with the arguments `words`, that a source moves; resimulates it.
+/// `poses(frame, motion)`: of the sender, all under `motion`.
+void expectRepeated(const std::vector<std::string>& words, const std::string& names,
+                    const std::function<std::vector<Pose>(int frame, const Pose& motion)>& poses) {
+  const ScratchFolder folder;
+  const std::filesystem::path run = folder / "live.rec";
+  CLI::App app;
+  const SettingsOptions options(app, SettingsUse::kServe);
+  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  auto owned = std::make_unique<PosedChannel>();
+  PosedChannel& channel = *owned;
+  RecordingPublisher publisher(std::move(owned), false);
+  const Settings settings = options.resolve();
+  Daemon daemon(settings, makeScene(settings.scene), publisher, 77);
+  publisher.open(run, {1, {Codec::kFloat32}, simulationSource(words, options, "reference", "")});
+  daemon.announce();
+  Sender sender{channel, 7, names};
+  uint64_t id = 0;
+  const auto order = [&](CommandKind kind, std::vector<double> values) {
+    channel.commands.push_back({.id = ++id, .kind = kind, .name = "", .values = std::move(values)});
+  };
+  const std::vector<double> pose = {0.01, 0.02, 0, 0, 0, 0, 1};
+  const std::atomic<bool> stop{false};
+  Pose motion;
+  for (int frame = 0; frame < 120; ++frame) {
+    if (frame == 20) order(CommandKind::kHeadPose, pose);  // refused where the source moves the head
+    if (frame == 30 || frame == 35) order(CommandKind::kPause, {frame == 30 ? 1.0 : 0.0});
+    if (frame == 50) {
+      motion.position.x() = 2;
+      ++sender.epoch;
+    }
+    if (frame == 95) sender.later = static_cast<uint64_t>(-4 * kNsPerSecond);  // it is dropped at once
+    if (frame == 97) order(CommandKind::kHeadPose, pose);
+    const std::vector<Pose> now = poses(frame, motion);
+    // Samples between steps, a loss, and silence of a sixth of a second.
+    if (frame == 60) sender.time += sender.period / 2;
+    if (frame == 40) sender.message(now);
+    if ((frame < 70 || frame >= 80) && frame != 40 && frame <= 95) sender.send(now);
+    daemon.castFrame(stop);
+  }
+  EXPECT_EQ(publisher.close(), "");
+  Recording recording(run);
+  const ResimulationReport report = resimulate(recording, "live.rec", stop, [](uint64_t, Simulation&) {});
+  EXPECT_EQ(report.frames, 120u);
+  EXPECT_EQ(report.different, 0u) << "first: " << report.first_different;
+  const bool moves_head = names == "head";
+  EXPECT_EQ(report.inputs, moves_head ? 3u : 4u);
+  RecordedFrame read;
+  recording.read(55, read);
+  ASSERT_EQ(read.poses.size(), 1u);
+  EXPECT_EQ(read.poses[0].poses.names, names);
+  recording.read(5, read);
+  EXPECT_FALSE(read.poses.at(0).is_cut);
+}
+
+TEST(LiveRecording, OfAHeadIsSimulatedAgainBitForBit) {
+  expectRepeated({"--scene", "straight", "--strands", "20", "--vertices", "8", "--motion", "still",
+                  "--body-contact", "spheres", "--backend", "reference"},
+                 "head", [](int frame, const Pose& motion) {
+                   return std::vector<Pose>{motion * nodding(frame / 60.0)};
+                 });
+}
+
+TEST_F(LivePalette, ARecordingIsSimulatedAgainBitForBit) {
+  expectRepeated({"--groom", (folder_ / "hair.obj").string(), "--unit-meters", "1", "--up", "y", "--body",
+                  (folder_ / "arm.glb").string(), "--body-joint", "upper", "--body-cell", "0.01", "--backend",
+                  "reference"},
+                 "joint:upper joint:lower", [&](int frame, const Pose& motion) {
+                   const Pose turn{Vec3::Zero(), Quat(Eigen::AngleAxisf(0.005f * static_cast<float>(frame),
+                                                                        Vec3(Vec3::UnitY())))};
+                   return std::vector<Pose>{motion, motion * turn};
+                 });
 }
 
 }  // namespace

@@ -64,6 +64,22 @@ struct GridRecord {
   std::vector<uint8_t> packed;
 };
 
+/// What live sources move from here on: PoseSamples::names and weight_names.
+struct PoseNamesRecord {
+  std::string names, weight_names;
+};
+
+/// The poses that live sources gave to a step, as it took them: StepPoses.
+struct PosesRecord {
+  uint64_t names = 0;  ///< offset of the PoseNamesRecord
+  uint64_t step = 0;   ///< steps of the simulation before it
+  uint32_t flags = 0;  ///< 1: a cut
+  uint64_t source = 0, time = 0;
+  std::vector<float> poses, scales, weights;  ///< as in PoseSamples, of one sample
+};
+inline constexpr uint32_t kCutFlag = 1;
+inline constexpr size_t kMaxPosesPerFrame = 4096;  ///< PosesRecords before a frame
+
 // Fields, once for MessageWriter and MessageReader.
 
 template <class Stream>
@@ -111,19 +127,43 @@ void recordFields(Stream& s, auto& m, std::type_identity<GridRecord>) {
   s.array(m.packed);
 }
 
+template <class Stream>
+void recordFields(Stream& s, auto& m, std::type_identity<PoseNamesRecord>) {
+  s.text(m.names);
+  s.text(m.weight_names);
+}
+
+template <class Stream>
+void recordFields(Stream& s, auto& m, std::type_identity<PosesRecord>) {
+  s.number(m.names);
+  s.number(m.step);
+  s.number(m.flags);
+  s.number(m.source);
+  s.number(m.time);
+  s.array(m.poses);
+  s.array(m.scales);
+  s.array(m.weights);
+}
+
 /// The records that a recording is made of: docs/wire.md, "Recordings".
 enum class RecordKind : uint32_t {
-  kHead = 1,    ///< head: version and how to read the file
-  kGroom = 2,   ///< GroomChunk
-  kBody = 3,    ///< BodyChunk
-  kInput = 4,   ///< Command that was executed before the frame that follows
-  kFrame = 5,   ///< number, time and hash of a frame
-  kGuides = 6,  ///< GuideChunk of the frame before it
-  kIndex = 7,   ///< offsets of the frames since the last index or groom
-  kEnd = 8,     ///< offset of the last index
-  kGrids = 9,   ///< some layers of the air around the frame before it
-  kHairs = 12   ///< HairChunk, after the body of its groom
+  kHead = 1,        ///< head: version and how to read the file
+  kGroom = 2,       ///< GroomChunk
+  kBody = 3,        ///< BodyChunk
+  kInput = 4,       ///< Command that was executed before the frame that follows
+  kFrame = 5,       ///< number, time and hash of a frame
+  kGuides = 6,      ///< GuideChunk of the frame before it
+  kIndex = 7,       ///< offsets of the frames since the last index or groom
+  kEnd = 8,         ///< offset of the last index
+  kGrids = 9,       ///< some layers of the air around the frame before it
+  kHairs = 12,      ///< HairChunk, after the body of its groom
+  kPoseNames = 14,  ///< PoseNamesRecord
+  kPoses = 15       ///< PosesRecord of a step before the frame that follows
 };
+/// Whether the record may come between a frame and the one before: what the simulation was given.
+constexpr bool isInput(RecordKind kind) {
+  return kind == RecordKind::kInput || kind == RecordKind::kPoseNames || kind == RecordKind::kPoses;
+}
 
 inline constexpr char kRecordingMagic[8] = {'S', 'T', 'R', 'N', 'D', 'R', 'E', 'C'};
 inline constexpr uint64_t kRecordHeadBytes = 16;       ///< kind, length, hash

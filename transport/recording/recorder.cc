@@ -10,6 +10,7 @@
 #include "core/hash.h"
 #include "transport/codec/hair_codec.h"
 #include "transport/message_bytes.h"
+#include "transport/pose_inbox.h"
 #include "transport/wire_fields.h"
 
 namespace strandcast {
@@ -37,8 +38,10 @@ constexpr const char* kLayout =
     "axis, float x y z of the lowest corner in m, float cell in m, uint32 first of 16 layers along z, uint32 "
     "bits of what is there: 1 density in kg/m^3, 2 4 8 wind x y z in m/s, 16 pressure in Pa, 32 divergence "
     "in 1/s, 64 solid, array of float units, bytes: zstd of low and then high bytes of 16-bit numbers); 12 "
-    "hairs, after the body: the fields of hair_chunk_t. Payloads of guides, hairs and grids: docs/wire.md of "
-    "Strandcast.";
+    "hairs, after the body: the fields of hair_chunk_t; 14 names of poses (texts names, weight_names of "
+    "pose_samples_t); 15 poses of a step before the next frame (uint64 place of their names, uint64 steps "
+    "before it, uint32 1 = cut, uint64 source, uint64 its time in ns, arrays of float poses, scales, weights "
+    "of one sample). Payloads of guides, hairs and grids: docs/wire.md of Strandcast.";
 
 CodecOptions alone(CodecOptions codec) {
   if (codec.codec == Codec::kTemporal) codec.codec = Codec::kOctahedral12;
@@ -134,6 +137,7 @@ void Recorder::setGroom(const GroomDescription& groom, const BodyDescription& bo
   revision_ = groom.revision;
   guides_ = groom.guides;
   inputs_at_ = 0;
+  poses_ = 0;
   newest_ = 0;
   grids_may_follow_ = false;
 }
@@ -164,6 +168,31 @@ void Recorder::addInput(const Command& command) {
   });
 }
 
+template <class Record>
+uint64_t Recorder::writeInput(RecordKind kind, const Record& record) {
+  const uint64_t at = writeRecord(kind, record);
+  if (inputs_at_ == 0) inputs_at_ = at;
+  return at;
+}
+
+void Recorder::addPoses(const StepPoses& step) {
+  grids_may_follow_ = false;
+  const PoseSamples& poses = step.poses;
+  if (!is_open_ || guides_.vertices() == 0 || poses_ == kMaxPosesPerFrame || !isSound(poses)) return;
+  guarded([&] {
+    writeFullIndex();
+    if (pose_names_at_ == 0 || poses.names != pose_names_.names ||
+        poses.weight_names != pose_names_.weight_names) {
+      pose_names_ = {poses.names, poses.weight_names};
+      pose_names_at_ = writeInput(RecordKind::kPoseNames, pose_names_);
+    }
+    writeInput(RecordKind::kPoses,
+               PosesRecord{pose_names_at_, step.step, step.is_cut ? kCutFlag : 0, poses.source, poses.time,
+                           poses.poses, poses.scales, poses.weights});
+  });
+  ++poses_;
+}
+
 bool Recorder::addFrame(const GuideFrame& frame) {
   grids_may_follow_ = false;
   if (!is_open_ || guides_.vertices() == 0 || frame.session != session_ || frame.revision != revision_ ||
@@ -189,6 +218,7 @@ bool Recorder::addFrame(const GuideFrame& frame) {
     index_.offsets.push_back(inputs_at_ != 0 ? inputs_at_ : at);
     index_.times.push_back(time_);
     inputs_at_ = 0;
+    poses_ = 0;
     ++number_;
     file_->flush();  // a killed program loses only the frame in progress
   });
@@ -271,11 +301,18 @@ void RecordingPublisher::publish(const GuideFrame& frame) {
 std::optional<Command> RecordingPublisher::takeCommand() {
   std::optional<Command> command = publisher_->takeCommand();
   if (!command) return command;
-  if (command->kind == CommandKind::kAddCollider || command->kind == CommandKind::kAddColliderFile)
+  const CommandKind kind = command->kind;
+  if (kind == CommandKind::kAddCollider || kind == CommandKind::kAddColliderFile ||
+      kind == CommandKind::kMoveCollider || kind == CommandKind::kHeadPose ||
+      kind == CommandKind::kHeadMotion)
     unanswered_.push_back(*command);
   else
     record([&](Recorder& recorder) { recorder.addInput(*command); });
   return command;
+}
+
+void RecordingPublisher::recordPoses(const StepPoses& poses) {
+  record([&](Recorder& recorder) { recorder.addPoses(poses); });
 }
 
 void RecordingPublisher::publishStatus(const Status& status) {

@@ -51,6 +51,8 @@ class Recorder {
   void setHairs(const HairDescription& hairs);
   /// Records a command that is executed before the next frame.
   void addInput(const Command& command);
+  /// Records the poses of a step before the next frame; at most kMaxPosesPerFrame, which are sound.
+  void addPoses(const StepPoses& poses);
   /// Records a frame of the groom that was set. Skips it and returns false if it is of another groom, not
   /// newer than the last, or not finite.
   bool addFrame(const GuideFrame& frame);
@@ -74,6 +76,8 @@ class Recorder {
   uint64_t writeMessage(RecordKind kind, const Message& message);
   void writeIndex();
   void writeFullIndex();
+  template <class Record>
+  uint64_t writeInput(RecordKind kind, const Record& record);
   template <class Work>
   void guarded(const Work& work);
 
@@ -87,6 +91,9 @@ class Recorder {
   StrandSet guides_;  // at rest
   IndexRecord index_;
   uint64_t inputs_at_ = 0;  // offset of the first input of the next frame; 0 = none yet
+  PoseNamesRecord pose_names_;
+  uint64_t pose_names_at_ = 0;  // 0 = none yet
+  size_t poses_ = 0;            // of the next frame
   uint64_t number_ = 0;
   double time_ = 0, interval_ = 0, simulation_time_ = 0;
   uint64_t newest_ = 0;  // newest frame number of the current groom; 0 = none
@@ -100,10 +107,11 @@ class Recorder {
 uint64_t positionsHash(std::span<const Vec3> positions);
 
 /// A publisher that also records what is published: groom, frames before any network's codec, and the
-/// commands that were taken, each before the first frame that it affects. A command that adds a collider is
-/// recorded when a status confirms it, which may be many frames later, and not at all when it is refused: a
-/// name that was taken then may be free in a resimulation. When the file cannot be written any more, that is
-/// logged and publishing continues without it.
+/// commands that were taken, and the poses of live sources, each before the first frame that it affects. A
+/// command that adds a collider or moves a collider or the head is recorded when a status confirms it, which
+/// may be many frames later, and not at all when it is refused: a name that was taken then, or a head that a
+/// source moved, may be free in a resimulation. When the file cannot be written any more, that is logged and
+/// publishing continues without it.
 class RecordingPublisher final : public Publisher {
  public:
   /// With `casts` false (no reader of `publisher`), a failure is not logged; close() returns it.
@@ -121,6 +129,8 @@ class RecordingPublisher final : public Publisher {
   void publish(const GuideFrame& frame) override;
   void publishStatus(const Status& status) override;
   std::optional<Command> takeCommand() override;
+  std::optional<PoseSamples> takePoses() override { return publisher_->takePoses(); }
+  void recordPoses(const StepPoses& poses) override;
   uint32_t matchedReaders() const override { return publisher_->matchedReaders(); }
   EncodingReport encoding() const override { return publisher_->encoding(); }
   std::optional<ConflictingDaemon> conflict() const override { return publisher_->conflict(); }
@@ -152,7 +162,7 @@ class RecordingPublisher final : public Publisher {
   const bool casts_;
   std::optional<Recorder> recorder_;
   std::string failure_;
-  std::vector<Command> unanswered_;  ///< commands that add colliders
+  std::vector<Command> unanswered_;  ///< commands that are recorded once they are confirmed
 };
 
 }  // namespace strandcast

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "transport/commands.h"
 #include "transport/message_bytes.h"
+#include "transport/pose_inbox.h"
 #include "transport/wire_fields.h"
 
 namespace strandcast {
@@ -117,7 +118,7 @@ void Recording::scan() {
       if (!tail_.offsets.empty()) break;  // an index is missing
       tail_.groom = at;
       inputs_at = 0;
-    } else if (record.kind == RecordKind::kInput) {
+    } else if (isInput(record.kind)) {
       if (inputs_at == 0) inputs_at = at;
     } else if (record.kind == RecordKind::kFrame) {
       FrameRecord frame;
@@ -238,6 +239,32 @@ double Recording::timeOf(uint64_t number) {
   return indexOf(block, index) ? index->times[number - block.first_number] : block.first_time;
 }
 
+/// `offset`: of the record; its names come before it.
+bool Recording::parsePoses(std::span<const uint8_t> bytes, uint64_t offset, StepPoses& step) {
+  PosesRecord read;
+  if (!parseRecord(bytes, read) || read.names < first_record_ || read.names >= offset) return false;
+  if (read.names != pose_names_at_) {
+    RecordReader::Record record;
+    pose_names_at_ = 0;
+    if (!reader_.read(read.names, record) || record.kind != RecordKind::kPoseNames ||
+        !parseRecord(record.bytes, pose_names_))
+      return false;
+    pose_names_at_ = read.names;
+  }
+  step.step = read.step;
+  step.is_cut = (read.flags & kCutFlag) != 0;
+  PoseSamples& poses = step.poses;
+  poses.source = read.source;
+  poses.time = read.time;
+  poses.names = pose_names_.names;
+  poses.weight_names = pose_names_.weight_names;
+  poses.ages = {0};
+  poses.poses = std::move(read.poses);
+  poses.scales = std::move(read.scales);
+  poses.weights = std::move(read.weights);
+  return isSound(poses);
+}
+
 bool Recording::parseGuides(std::span<const uint8_t> bytes) {
   const auto parseOld = [&](auto old) {
     const bool sound = parseMessage(bytes, old);
@@ -257,9 +284,16 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
   out.body = shown_.body;
   out.hairs = shown_.hairs;
   out.inputs.clear();
+  out.poses.clear();
   RecordReader::Record record;
   uint64_t at = index->offsets[number - block.first_number];
-  for (; reader_.read(at, record) && record.kind == RecordKind::kInput; at = record.next) {
+  for (; reader_.read(at, record) && isInput(record.kind); at = record.next) {
+    if (record.kind == RecordKind::kPoseNames) continue;
+    if (record.kind == RecordKind::kPoses) {
+      if (out.poses.size() == kMaxPosesPerFrame || !parsePoses(record.bytes, at, out.poses.emplace_back()))
+        return false;
+      continue;
+    }
     Command command;
     if (out.inputs.size() == kMaxQueuedCommands || !parseMessage(record.bytes, command) || !isSound(command))
       return false;
@@ -286,7 +320,7 @@ bool Recording::findEnd(uint64_t number, uint64_t& end) {
   if (!indexOf(block, index)) return false;
   RecordReader::Record record;
   uint64_t at = index->offsets[number - block.first_number];
-  while (reader_.skim(at, record) && record.kind == RecordKind::kInput) at = record.next;
+  while (reader_.skim(at, record) && isInput(record.kind)) at = record.next;
   FrameRecord frame;
   if (!reader_.read(at, record) || record.kind != RecordKind::kFrame || !parseRecord(record.bytes, frame) ||
       frame.number != number)

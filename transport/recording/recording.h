@@ -7,6 +7,7 @@
 
 #include "transport/assembler.h"
 #include "transport/messages.h"
+#include "transport/publisher.h"
 #include "transport/recording/air_grids.h"
 #include "transport/recording/record_file.h"
 
@@ -16,7 +17,8 @@ namespace strandcast {
 struct RecordedFrame {
   FrameRecord record;
   std::shared_ptr<const GuideFrame> frame;
-  std::vector<Command> inputs;  ///< executed since the frame before
+  std::vector<Command> inputs;   ///< executed since the frame before
+  std::vector<StepPoses> poses;  ///< of the steps since the frame before that live sources posed
   std::shared_ptr<const GroomDescription> groom;
   std::shared_ptr<const BodyDescription> body;
   std::shared_ptr<const HairDescription> hairs;  ///< that follow the groom; null: none
@@ -72,6 +74,7 @@ class Recording {
   bool indexOf(const Block& block, const IndexRecord*& index);
   bool readGroom(uint64_t offset);
   bool readHairs(uint64_t at);
+  bool parsePoses(std::span<const uint8_t> bytes, uint64_t offset, StepPoses& step);
   bool parseGuides(std::span<const uint8_t> bytes);
   bool readFrame(uint64_t number, RecordedFrame& out);
   /// Offset of the record after the guides of a frame.
@@ -93,6 +96,8 @@ class Recording {
   bool is_cut_ = false;
 
   uint64_t groom_at_ = 0;  // offset of the current groom
+  PoseNamesRecord pose_names_;
+  uint64_t pose_names_at_ = 0;  // their offset; 0 = none
   Shown shown_;
   GuideAssembler assembler_;
   GuideChunk chunk_;
