@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <climits>
 #include <cstdint>
@@ -150,7 +151,9 @@ LineEnd lineEnd(std::string_view text, size_t begin) {
 
 void writeFileBytes(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   if (!mayBeReplaced(file)) return write(file, bytes, file);
-  const std::filesystem::path part = file.string() + "." + std::to_string(::getpid());
+  // Daemons of one process may write one file at once: a field of the cache.
+  static std::atomic<unsigned> newest{0};
+  const std::filesystem::path part = fmt::format("{}.{}.{}", file.string(), ::getpid(), newest.fetch_add(1));
   std::error_code failure, ignored;
   try {
     write(part, bytes, file);

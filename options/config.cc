@@ -21,6 +21,8 @@
 namespace strandcast {
 namespace {
 
+constexpr std::string_view kCharacterPath = "character.";
+
 /// One table of a configuration file. Hands out its values, checks their types, and finally reports every key
 /// that was not read.
 class Section {
@@ -111,7 +113,7 @@ class Section {
     for (const auto& [key, node] : table_)
       if (!known_.contains(std::string(key.str()))) {
         known_.insert(std::string(key.str()));
-        given_[path_ + std::string(key.str())] = place(node);
+        given_[givenKey(std::string(key.str()))] = place(node);
         set(std::string(key.str()), components(node, std::string(key.str()), 0, pairs), place(node));
       }
   }
@@ -127,6 +129,8 @@ class Section {
     throw Error(fmt::format("'{}{}' has a wrong value", path_, key), place(node), remedy);
   }
   bool has(const char* key) const { return table_.contains(key); }
+  /// The key belongs to another reader of the table.
+  void leave(const char* key) { known_.insert(key); }
   std::string place(const toml::node& node) const {
     return fmt::format("{} line {}", file_, node.source().begin.line);
   }
@@ -141,8 +145,12 @@ class Section {
     known_.insert(key);
     const toml::node* node = table_.get(key);
     if (node == nullptr) return;
-    given_[path_ + key] = place(*node);
+    given_[givenKey(key)] = place(*node);
     body(*node);
+  }
+  /// The key in Settings::given. Those of a character are those of the file.
+  std::string givenKey(const std::string& key) const {
+    return (path_.starts_with(kCharacterPath) ? path_.substr(kCharacterPath.size()) : path_) + key;
   }
   double numberIn(const toml::node& node, const std::string& key, const NumberRange& range = {}) const {
     const std::optional<double> value = node.value<double>();
@@ -361,6 +369,7 @@ void readWindSource(Section& section, std::vector<NamedWindSource>& sources,
   sources.push_back({std::move(name), out});
 }
 
+/// Reads settings over `s`. Lists and repeated tables replace those of before.
 void readSections(Section& root, const std::filesystem::path& folder, Settings& s) {
   auto path = [&](const std::string& text) { return folder / text; };  // relative to the configuration file
   root.text("scene", [&](const std::string& v) { s.scene.name = v; });
@@ -370,6 +379,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
   root.wholeNumber("seed", 0, kLargestSeed, [&](double v) { s.scene.seed = static_cast<uint64_t>(v); });
   root.section("groom", [&](Section& groom) {
+    if (groom.has("files")) s.scene.groom.clear();
     groom.texts("files", [&](const std::string& v) { s.scene.groom.push_back(path(v)); });
     groom.texts("hair_files", [&](const std::string& v) { s.scene.hairs.push_back(path(v)); });
     groom.text("guides", [&](const std::string& v) {
@@ -401,10 +411,14 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     body.wholeNumber("fitted_spheres", 0, 64,
                      [&](double v) { s.scene.body_primitives = static_cast<int>(v); });
     body.number("friction", 0, 10, [&](double v) { s.scene.body_friction = static_cast<float>(v); });
+    if (body.has("primitives")) s.scene.primitives.clear();
     body.sections("primitives", [&](Section& primitive) {
       s.scene.primitives.push_back(readPrimitive(primitive, path, s.warnings));
     });
   });
+  if (root.has("material")) s.scene.materials.clear();
+  if (root.has("pin")) s.scene.pins.clear();
+  if (root.has("wind")) s.wind_sources.clear();
   root.sections("material", [&](Section& material) { s.scene.materials.push_back(readMaterial(material)); });
   root.sections("pin", [&](Section& pin) { s.scene.pins.push_back(readPin(pin)); });
   root.sections("wind", [&](Section& wind) { readWindSource(wind, s.wind_sources, s.warnings); });
@@ -435,6 +449,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
       s.profile = v;
     });
     transport.text("keys", [&](const std::string& v) { s.keys = path(v); });
+    if (transport.has("peers")) s.peers.clear();
     transport.texts("peers", [&](const std::string& v) { s.peers.push_back(v); });
     transport.text("discovery_server", [&](const std::string& v) { s.discovery_server = v; });
     transport.text("lcm_url", [&](const std::string& v) { s.lcm_url = v; });
@@ -461,11 +476,103 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   });
 }
 
+/// Throws Error where a file with characters gives the groom id elsewhere than beside a character's name.
+void refuseOtherGroomId(const toml::table& table, const Section& section) {
+  const toml::node_view id = table["transport"]["groom_id"];
+  if (id)
+    throw Error("each character has its own groom_id", section.place(*id.node()),
+                "leave it out here, and write groom_id = N in the [[character]] table itself");
+}
+
+/// Reads the character's own keys: all but its settings.
+void readCharacterKeys(Section& section, const std::filesystem::path& folder, CharacterSettings& out) {
+  section.wholeNumber("groom_id", 1, 4294967295.0,
+                      [&](double v) { out.settings.groom_id = static_cast<uint32_t>(v); });
+  if (!section.has("groom_id"))
+    throw Error("a character has no groom_id", section.place(), "give each its own, e.g. groom_id = 2");
+  section.text("name", [&](const std::string& v) {
+    if (v.empty() || !isSoundName(v))
+      throw Error("a character's name is not valid", section.place("name"),
+                  fmt::format("give 1 to {} bytes without control characters", kMaxTextBytes));
+    out.name = v;
+  });
+  section.number("budget_ms", 0.01, 1e4, [&](double v) { out.budget_ms = v; });
+  section.text("record", [&](const std::string& v) {
+    if (v.empty())
+      throw Error("the recording has no name", section.place("record"),
+                  "name a file, e.g. record = \"ada.rec\", or leave it out");
+    out.record = folder / v;
+  });
+}
+
+/// Throws Error where the newest of the characters has what must be another's alone.
+void refuseShared(const std::vector<CharacterSettings>& characters) {
+  const CharacterSettings& newest = characters.back();
+  const auto place = [&](const char* key) { return newest.settings.given.at(key); };
+  const auto isOf = [&](const CharacterSettings& other, const std::filesystem::path& file) {
+    return std::filesystem::absolute(other.record).lexically_normal() ==
+           std::filesystem::absolute(file).lexically_normal();
+  };
+  for (const CharacterSettings& other : characters) {
+    if (&other == &newest) break;
+    if (other.settings.groom_id == newest.settings.groom_id)
+      throw Error(fmt::format("two characters have the groom_id {}", newest.settings.groom_id),
+                  place("groom_id"), "give each its own");
+    if (!newest.name.empty() && other.name == newest.name)
+      throw Error("two characters are called '" + newest.name + "'", place("name"),
+                  "give each a unique name");
+    if (!newest.record.empty() && !other.record.empty() && isOf(other, newest.record))
+      throw Error("two characters record to one file", place("record"), "give each its own");
+  }
+}
+
 }  // namespace
+
+void forCharacter(const CharacterSettings& character, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    throw Error("character " + character.label(), error.what(), "");
+  }
+}
+
+std::vector<CharacterSettings> readCharactersText(const std::string& text, const std::string& name) {
+  const toml::table table = parsedToml(text, name);
+  const std::filesystem::path folder = std::filesystem::path(name).parent_path();
+  std::vector<CharacterSettings> characters;
+  const toml::node* const node = table.get("character");
+  if (node == nullptr) return characters;
+  std::map<std::string, std::string> given;
+  const Section file(table, "", name, given);
+  const toml::array* const array = node->as_array();
+  if (array == nullptr || array->empty())
+    file.fail(*node, "character", "write it as tables: [[character]]");
+  refuseOtherGroomId(table, file);
+  for (const toml::node& element : *array) {
+    if (!element.is_table()) file.fail(element, "character", "write it as tables: [[character]]");
+    CharacterSettings& character = characters.emplace_back();
+    Section shared(table, "", name, character.settings.given);
+    shared.leave("character");
+    readSections(shared, folder, character.settings);
+    shared.refuseRest();
+    Section own(*element.as_table(), std::string(kCharacterPath), name, character.settings.given);
+    readCharacterKeys(own, folder, character);
+    refuseShared(characters);
+    forCharacter(character, [&] {
+      refuseOtherGroomId(*element.as_table(), own);
+      readSections(own, folder, character.settings);
+      own.refuseRest();
+    });
+  }
+  return characters;
+}
 
 void readConfigText(const std::string& text, const std::string& name, Settings& settings) {
   const toml::table table = parsedToml(text, name);
   Section root(table, "", name, settings.given);
+  if (root.has("character"))
+    throw Error("several characters are cast by strandcastd alone", root.place("character"),
+                "leave [[character]] out, or give each character a file of its own");
   readSections(root, std::filesystem::path(name).parent_path(), settings);
   root.refuseRest();
 }

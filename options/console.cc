@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <poll.h>
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -13,6 +15,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <system_error>
 
 #include "collision/field_bake.h"
@@ -111,6 +114,36 @@ std::string jsonText(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+namespace {
+
+thread_local std::string t_log_label;
+
+/// Prints the label of the thread that logs.
+class LabelFlag final : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg&, const std::tm&, spdlog::memory_buf_t& to) override {
+    if (t_log_label.empty()) return;
+    to.append(t_log_label.data(), t_log_label.data() + t_log_label.size());
+    to.push_back(':');
+    to.push_back(' ');
+  }
+  std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
+    return std::make_unique<LabelFlag>();
+  }
+};
+
+}  // namespace
+
+LogLabel::LogLabel(const std::string& label) { t_log_label = label; }
+LogLabel::~LogLabel() { t_log_label.clear(); }
+const std::string& LogLabel::current() { return t_log_label; }
+
+void printLogLabels() {
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<LabelFlag>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*%v");
+  spdlog::set_formatter(std::move(formatter));
+}
+
 void Report::add(const std::string& key, const std::string& label, const std::string& text) {
   rows_.push_back({key, label, text, jsonText(text)});
 }
@@ -124,12 +157,16 @@ void Report::addCount(const std::string& key, const std::string& label, uint64_t
   rows_.push_back({key, label, fmt::format("{}", value), fmt::format("{}", value)});
 }
 
+std::string Report::json() const {
+  std::string object;
+  for (const Row& row : rows_)
+    object += fmt::format("{}{}: {}", object.empty() ? "" : ", ", nlohmann::json(row.key).dump(), row.json);
+  return fmt::format("{{{}}}", object);
+}
+
 void Report::print(bool json) const {
   if (json) {
-    std::string object;
-    for (const Row& row : rows_)
-      object += fmt::format("{}{}: {}", object.empty() ? "" : ", ", nlohmann::json(row.key).dump(), row.json);
-    std::puts(fmt::format("{{{}}}", object).c_str());
+    std::puts(this->json().c_str());
   } else {
     size_t width = 0;
     for (const Row& row : rows_) width = std::max(width, row.label.size());

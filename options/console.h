@@ -49,6 +49,21 @@ class ProgressBar {
   bool terminal_ = false;
 };
 
+/// During its lifetime the log lines of this thread begin with a label: "ada: refused ...". Of several
+/// characters in one process each has its own. Labels do not nest: the newest counts, then none.
+class LogLabel {
+ public:
+  /// An empty label is none.
+  explicit LogLabel(const std::string& label);
+  ~LogLabel();
+  LogLabel(const LogLabel&) = delete;
+  LogLabel& operator=(const LogLabel&) = delete;
+  /// The label of this thread, for threads that it starts.
+  static const std::string& current();
+};
+/// Makes the default logger print labels. Not thread-safe.
+void printLogLabels();
+
 /// Named values, printed as a table for people or as one JSON object.
 class Report {
  public:
@@ -58,6 +73,7 @@ class Report {
            int digits);
   void addCount(const std::string& key, const std::string& label, uint64_t value);
   void print(bool json) const;  ///< to standard output
+  std::string json() const;     ///< one JSON object
 
  private:
   struct Row {

@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <set>
+
 #include "core/error.h"
 #include "options/number_range.h"
 #include "transport/dds.h"
@@ -411,15 +413,43 @@ void SettingsOptions::nameFiles(const std::vector<std::string>& groom, const std
   }
 }
 
+void SettingsOptions::check(Settings& settings) const {
+  for (std::string& line : checkUnusedSettings(settings, use_ == SettingsUse::kCompare))
+    settings.warnings.push_back(std::move(line));
+}
+
 Settings SettingsOptions::resolve() const {
   Settings config;
   if (!config_.empty()) readConfig(config_, config);
   Settings settings = over(std::move(config));
-  for (std::string& line : checkUnusedSettings(settings, use_ == SettingsUse::kCompare))
-    settings.warnings.push_back(std::move(line));
+  check(settings);
   for (const std::string& note : settings.notes) spdlog::info("{}", note);
   for (const std::string& warning : settings.warnings) spdlog::warn("{}", warning);
   return settings;
+}
+
+std::vector<CharacterSettings> SettingsOptions::resolveCharacters(const std::string& config_text) const {
+  std::vector<CharacterSettings> characters = readCharactersText(config_text, config_.string());
+  if (!characters.empty() && isGiven("--groom-id"))
+    throw Error("each character has its own groom_id", "--groom-id",
+                "leave it out, or change it in " + config_.string());
+  for (CharacterSettings& character : characters)
+    forCharacter(character, [&] { character.settings = over(std::move(character.settings)); });
+  return characters;
+}
+
+std::vector<CharacterSettings> SettingsOptions::resolveCharacters() const {
+  if (config_.empty()) return {};
+  std::vector<CharacterSettings> characters = resolveCharacters(configText(config_));
+  for (CharacterSettings& character : characters) forCharacter(character, [&] { check(character.settings); });
+  std::set<std::string> told;  // lines about what characters share come once
+  for (const CharacterSettings& character : characters) {
+    for (const std::string& note : character.settings.notes)
+      if (told.insert(note).second) spdlog::info("{}", note);
+    for (const std::string& warning : character.settings.warnings)
+      if (told.insert(warning).second) spdlog::warn("{}", warning);
+  }
+  return characters;
 }
 
 Settings SettingsOptions::resolve(const std::string& config_text) const {

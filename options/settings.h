@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -62,6 +63,17 @@ struct Settings {
   std::vector<std::string> warnings;  ///< settings without effect beside others, a line each
 };
 
+/// One of several characters of a daemon: a table [[character]] of its configuration.
+struct CharacterSettings {
+  Settings settings;
+  std::string name;              ///< unique; may be empty
+  double budget_ms = 0;          ///< of the machine's time, a frame (RateBudget); 0 = its equal share
+  std::filesystem::path record;  ///< its recording; empty: none
+
+  /// What messages call it: its name, else "groom 3".
+  std::string label() const { return name.empty() ? "groom " + std::to_string(settings.groom_id) : name; }
+};
+
 /// How a program uses the settings. kCast: simulates at a steady rate and publishes frames. kServe: also
 /// executes commands of others. kCompare: runs the scene with several solvers, with neither rate nor network.
 /// kCheck: as kCast, for a short run without network; --clip also means --body-clip.
@@ -77,6 +89,12 @@ class SettingsOptions {
   /// The same with this text in place of the --config file, for settings that have run before: settings
   /// without effect are neither refused nor logged.
   Settings resolve(const std::string& config_text) const;
+  /// The characters of a --config file with tables [[character]], each with the options over its settings;
+  /// else empty. resolve() refuses such a file. Checks settings and throws Error as resolve(); one about a
+  /// single character names it.
+  std::vector<CharacterSettings> resolveCharacters() const;
+  /// The same with this text in place of the file, and without the checks.
+  std::vector<CharacterSettings> resolveCharacters(const std::string& config_text) const;
   /// Files that are named as arguments count as --groom, --body and --body-clip; an empty name is none. Call
   /// after parsing and before resolve(). Throws Error where an option names a file, too.
   void nameFiles(const std::vector<std::string>& groom, const std::string& body, const std::string& clip);
@@ -92,6 +110,8 @@ class SettingsOptions {
 
  private:
   Settings over(Settings config) const;
+  /// Throws Error on settings that are refused; appends warnings of those without effect.
+  void check(Settings& settings) const;
   /// False for an option that the program does not have.
   bool isGiven(const char* option) const;
   void refuseEmptyNames() const;
@@ -136,6 +156,13 @@ std::string configText(const std::filesystem::path& file);
 void readConfig(const std::filesystem::path& file, Settings& settings);
 /// The same from text; `name` appears in errors.
 void readConfigText(const std::string& text, const std::string& name, Settings& settings);
+
+/// The characters of a configuration file's text, each with the file's other settings and its own over them;
+/// empty where the file has no table [[character]]. Lists and repeated tables of a character replace the
+/// file's. Throws Error, as readConfigText(), and where characters share a groom id, a name or a recording.
+std::vector<CharacterSettings> readCharactersText(const std::string& text, const std::string& name);
+/// Calls `work`; an Error that it throws then names the character.
+void forCharacter(const CharacterSettings& character, const std::function<void()>& work);
 
 /// Checks for settings that others make void, by the tables in unused_settings.cc. A setting is reported at
 /// its origin, an option or a file: see Settings::given. A refused setting of a file gives way where an

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "io/file_bytes.h"
+#include "options/console.h"
 #include "service/commands.h"
 #include "transport/chunks.h"
 #include "transport/parameter_table.h"
@@ -129,7 +130,11 @@ void ColliderMaker::begin(const Command& command, const std::string& where) {
                 "wait for their answers");
   jobs_.push_back(std::move(job));
   changed_.notify_all();
-  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+  if (thread_.joinable()) return;
+  thread_ = std::thread([this, label = LogLabel::current()] {
+    const LogLabel of_character(label);
+    work();
+  });
 }
 
 bool ColliderMaker::makes(const std::string& name) const {

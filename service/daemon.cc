@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -41,6 +42,25 @@ HairDescription described(SceneHairs hairs) {
 }
 
 double millisecondsOf(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
+
+/// Measures the cost of a frame, ms, from its construction on. On a processor that is time of this thread,
+/// which takes part in all its work: wall time would include what others do meanwhile. A thread that waits
+/// for a GPU takes none, so there wall time counts.
+class FrameClock {
+ public:
+  explicit FrameClock(bool is_on_gpu)
+      : clock_(is_on_gpu ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID), start_(now()) {}
+  double milliseconds() const { return now() - start_; }
+
+ private:
+  double now() const {
+    timespec time{};
+    clock_gettime(clock_, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+  }
+  clockid_t clock_;
+  double start_;
+};
 
 }  // namespace
 
@@ -208,7 +228,9 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
   Clock::time_point status_due = start;
   cast_since_ = start;
   while (!stop && !executor_.isShutDown() && !sharing_.isShutDown() && failure_.empty()) {
+    const FrameClock cost(status().backend == "gpu");
     if (!castFrame(stop)) break;
+    const double cost_ms = cost.milliseconds();
     const Clock::time_point now = Clock::now();
     if (now >= status_due) {
       publishStatus();
@@ -217,8 +239,10 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     }
     if (settings_.duration > 0 && std::chrono::duration<double>(now - start).count() >= settings_.duration)
       break;
-    std::this_thread::sleep_until(pacer.next(Clock::now(), controlled_.poses.wantedAt(nextFrameEnd())));
+    const Clock::time_point due = pacer.next(Clock::now(), controlled_.poses.wantedAt(nextFrameEnd()));
     if (pacer.isTooSlow()) controlled_.poses.release();
+    if (budget_) pacer.setSlowdown(budget_->addFrame(cost_ms, pacer.isLate(), Clock::now()));
+    std::this_thread::sleep_until(due);
   }
   executor_.dropSteps("the daemon ends");
   executor_.dropBodies();

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "service/controls.h"
 #include "service/groom_sharing.h"
 #include "service/network.h"
+#include "service/rate_budget.h"
 #include "service/status_report.h"
 #include "transport/publisher.h"
 
@@ -47,6 +49,8 @@ class Daemon {
   /// The work of run() for one frame: executes up to kMaxCommandsPerFrame commands, steps to the frame's
   /// time, publishes the frame. False when `stop` came first.
   bool castFrame(const std::atomic<bool>& stop);
+  /// From now on run() lowers the pace under pressure, as `budget` says. By default it never does.
+  void setBudget(const RateBudget& budget) { budget_.emplace(budget); }
   /// `observer` is called in the thread of run() after each frame, with the simulation at the frame's time.
   void setObserver(std::function<void(Simulation&)> observer) { observer_ = std::move(observer); }
   /// `takes_another` decides whether a frame takes another of the steps that commands have requested. By
@@ -91,6 +95,7 @@ class Daemon {
   std::chrono::steady_clock::time_point cast_since_;  ///< start of run()
   std::string failure_;                               ///< why the daemon ends on its own
   bool waits_for_bodies_ = false;
+  std::optional<RateBudget> budget_;
   std::function<bool(const Simulation&)> takes_another_;
   std::function<void(Simulation&)> observer_;
 };

@@ -21,19 +21,24 @@ class FramePacer {
   /// sources' poses for the next frame will be here; none without live sources. A frame that is late is due
   /// at once, and those after it keep their intervals from there.
   Clock::time_point next(Clock::time_point now, std::optional<Clock::time_point> wanted = std::nullopt) {
-    due_ += interval_;
+    due_ += interval_ + std::chrono::duration_cast<Clock::duration>(interval_ * (slowdown_ - 1));
     if (wanted) due_ += std::clamp(*wanted - due_, -interval_ / 50, interval_ / 50);
-    is_too_slow_ = now > due_ && wanted && now - *wanted > kFarthestBehind;
-    if (now > due_) {
+    is_late_ = now > due_;
+    if (is_late_) {
       ++late_frames_;
       due_ = now;
     }
+    is_too_slow_ = (is_late_ || slowdown_ > 1) && wanted && due_ - *wanted > kFarthestBehind;
     return due_;
   }
+  /// Multiplies the intervals from now on by `slowdown`, at least 1 (RateBudget).
+  void setSlowdown(double slowdown) { slowdown_ = slowdown; }
 
   uint64_t lateFrames() const { return late_frames_; }
-  /// Whether the frame is late, and 0.25 s behind the time at which its poses are here: the machine does not
-  /// keep the sender's pace, and poses must be skipped (PoseLock::release).
+  /// Whether the frame that was asked for last is late.
+  bool isLate() const { return is_late_; }
+  /// Whether the frame is late or slowed down, and 0.25 s behind the time at which its poses are here: the
+  /// machine does not keep the sender's pace, and poses must be skipped (PoseLock::release).
   bool isTooSlow() const { return is_too_slow_; }
 
  private:
@@ -41,8 +46,9 @@ class FramePacer {
 
   Clock::duration interval_;
   Clock::time_point due_;
+  double slowdown_ = 1;
   uint64_t late_frames_ = 0;
-  bool is_too_slow_ = false;
+  bool is_late_ = false, is_too_slow_ = false;
 };
 
 }  // namespace strandcast

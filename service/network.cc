@@ -59,14 +59,19 @@ std::string networkName(const Settings& settings) {
 std::unique_ptr<Subscriber> subscribe(const Settings& settings) { return join(settings, true); }
 std::unique_ptr<Subscriber> joinForCommands(const Settings& settings) { return join(settings, false); }
 
-GroomClaim::GroomClaim(const Settings& settings, uint64_t session) : settings_(settings), session_(session) {
+std::unique_ptr<Publisher> joinAsDaemon(const Settings& settings, uint64_t session) {
   if (settings.claim && usesLcm(settings))
     throw Error("daemons cannot share a groom over LCM", "--claim", "use --transport dds");
-  owned_ = usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
-                             : makeDdsPublisher(ddsOptions(settings, session));
-  publisher_ = owned_.get();
-  joined_ = std::chrono::steady_clock::now();
+  return usesLcm(settings) ? makeLcmPublisher(lcmOptions(settings, session))
+                           : makeDdsPublisher(ddsOptions(settings, session));
 }
+
+GroomClaim::GroomClaim(const Settings& settings, uint64_t session, std::unique_ptr<Publisher> channel)
+    : settings_(settings),
+      session_(session),
+      joined_(std::chrono::steady_clock::now()),
+      owned_(std::move(channel)),
+      publisher_(owned_.get()) {}
 
 void GroomClaim::check() {
   if (publisher_->hasUnreachableDaemonOfGroom())

@@ -22,12 +22,17 @@ std::unique_ptr<Subscriber> subscribe(const Settings& settings);
 /// Joins the network to send commands to the daemon of settings.groom_id. Receives statuses and answers, no
 /// frames.
 std::unique_ptr<Subscriber> joinForCommands(const Settings& settings);
+/// Joins the network as the daemon of settings.groom_id. Throws Error.
+std::unique_ptr<Publisher> joinAsDaemon(const Settings& settings, uint64_t session);
 /// A daemon's claim to settings.groom_id while it starts. Other daemons hear the claim from the beginning,
 /// and it listens for theirs while the scene loads. An LCM log has no other daemons: await() returns at once.
 class GroomClaim {
  public:
   /// Joins the network. Throws Error.
-  GroomClaim(const Settings& settings, uint64_t session);
+  GroomClaim(const Settings& settings, uint64_t session)
+      : GroomClaim(settings, session, joinAsDaemon(settings, session)) {}
+  /// `channel`: of the groom and the session.
+  GroomClaim(const Settings& settings, uint64_t session, std::unique_ptr<Publisher> channel);
   /// Throws Error where another daemon that has been heard so far holds the groom. Callable from any thread,
   /// one at a time.
   void check();

@@ -253,6 +253,16 @@ std::string bytesOfJson(const nlohmann::json& text) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// The settings that the recorded source gives with its arguments.
+Settings settingsOf(const nlohmann::json& source, const SettingsOptions& options, const std::string& name) {
+  const std::string config = source.at("config");
+  const uint32_t character = source.value("character", 0u);
+  if (character == 0) return options.resolve(config);
+  for (CharacterSettings& of_file : options.resolveCharacters(config))
+    if (of_file.settings.groom_id == character) return std::move(of_file.settings);
+  throw Error("the recorded settings are damaged", name, fmt::format("they lack groom {}", character));
+}
+
 Source sourceOf(const std::string& text, const std::string& name) {
   if (text.empty())
     throw Error("the recording has no settings to simulate from", name,
@@ -267,7 +277,7 @@ Source sourceOf(const std::string& text, const std::string& name) {
     for (const nlohmann::json& word : source.at("arguments")) words.push_back(bytesOfJson(word));
     std::reverse(words.begin(), words.end());  // CLI11 takes them in reverse order
     app.parse(words);
-    Source out{options.resolve(source.at("config").get<std::string>()), source.at("device"), {}};
+    Source out{settingsOf(source, options, name), source.at("device"), {}};
     out.settings.backend = source.at("backend");
     out.settings.duration = 0;
     out.scene = makeSceneWithProgress(out.settings.scene);
@@ -349,15 +359,17 @@ class RecordedInputs final : public Publisher {
 }  // namespace
 
 std::string simulationSource(const std::vector<std::string>& words, const SettingsOptions& options,
-                             const std::string& backend, const std::string& device) {
+                             const std::string& backend, const std::string& device, uint32_t character) {
   const std::string config = options.config().empty() ? "" : configText(options.config());
   nlohmann::json arguments = nlohmann::json::array();
   for (const std::string& word : words) arguments.push_back(jsonOfBytes(word));
-  return jsonText({{"arguments", arguments},
-                   {"folder", jsonOfBytes(std::filesystem::current_path().string())},
-                   {"config", config},
-                   {"backend", backend},
-                   {"device", device}});
+  nlohmann::json source = {{"arguments", arguments},
+                           {"folder", jsonOfBytes(std::filesystem::current_path().string())},
+                           {"config", config},
+                           {"backend", backend},
+                           {"device", device}};
+  if (character != 0) source["character"] = character;
+  return jsonText(source);
 }
 
 ResimulationReport resimulate(Recording& recording, const std::string& name, const std::atomic<bool>& stop,

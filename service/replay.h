@@ -77,9 +77,10 @@ class Replay {
 };
 
 /// The source that a daemon's recording keeps for resimulation: the daemon's arguments, the folder of
-/// relative paths, and the text of the configuration file. `backend` and `device` as in Status.
+/// relative paths, and the text of the configuration file. `backend` and `device` as in Status. `character`:
+/// groom id of the [[character]] table that was recorded; 0 where the file has none.
 std::string simulationSource(const std::vector<std::string>& words, const SettingsOptions& options,
-                             const std::string& backend, const std::string& device);
+                             const std::string& backend, const std::string& device, uint32_t character = 0);
 
 /// The results of a resimulation.
 struct ResimulationReport {

@@ -4,25 +4,23 @@
 
 #include <CLI/CLI.hpp>
 
+#include <thread>
+
 #include "core/error.h"
 #include "options/console.h"
 #include "options/number_range.h"
-#include "options/scene_loading.h"
 #include "options/settings.h"
-#include "service/daemon.h"
-#include "service/network.h"
 #include "service/recorded_air.h"
 #include "service/replay.h"
+#include "service/stage.h"
 #include "transport/recording/record_file.h"
-#include "transport/recording/recorder.h"
 
 using namespace strandcast;
 
 namespace {
 
-void report(const DaemonSummary& summary, bool json) {
+void add(const DaemonSummary& summary, Report& out) {
   const Status& s = summary.status;
-  Report out;
   out.add("groom", "groom", s.groom_name);
   out.add("backend", "backend", s.backend);
   out.add("device", "device", s.device);
@@ -57,7 +55,35 @@ void report(const DaemonSummary& summary, bool json) {
     out.add("pose_latency_ms_p50", "latency of live poses, median", poses.latency_ms_p50, "ms", 2);
     out.add("pose_latency_ms_p99", "latency of live poses, 99th percentile", poses.latency_ms_p99, "ms", 2);
   }
-  out.print(json);
+}
+
+/// Whether every character cast to its end, and kept its recording.
+int exitCodeOf(const std::vector<CharacterEnding>& endings) {
+  bool is_kept = true;
+  for (const CharacterEnding& ending : endings) {
+    if (!ending.failure.empty()) return kExitBadInput;
+    is_kept = is_kept && ending.is_kept;
+  }
+  if (g_interrupted) return kExitInterrupted;
+  return is_kept ? 0 : kExitCheckFailed;
+}
+
+void print(const std::vector<CharacterEnding>& endings, bool json) {
+  std::string objects;
+  for (const CharacterEnding& ending : endings) {
+    Report out;
+    out.add("character", "character", ending.character);
+    out.addCount("groom_id", "groom id", ending.groom_id);
+    if (!ending.failure.empty()) out.add("failure", "failure", ending.failure);
+    if (ending.summary) add(*ending.summary, out);
+    if (json) {
+      objects += (objects.empty() ? "" : ", ") + out.json();
+    } else {
+      out.print(false);
+      std::puts("");
+    }
+  }
+  if (json) std::puts(fmt::format("{{\"characters\": [{}]}}", objects).c_str());
 }
 
 }  // namespace
@@ -68,10 +94,12 @@ int main(int argc, char** argv) {
       "Draw it elsewhere with `strandcast render` or `strandcast view`; steer it with `strandcast ctl`.\n"
       "Sources of wind (fans, turbines) are given by [[wind]] tables of a --config file, or by `strandcast "
       "ctl fan`.\n"
+      "Several characters in one process are tables [[character]] of a --config file (docs/reference.md).\n"
       "\n"
       "Examples:\n"
       "  strandcastd --scene curly\n"
-      "  strandcastd --groom bob.tfx --body head.obj --unit-meters 1 --motion shake --duration 10");
+      "  strandcastd --groom bob.tfx --body head.obj --unit-meters 1 --motion shake --duration 10\n"
+      "  strandcastd --config docs/cast.toml");
   app.get_formatter()->column_width(34);
   SettingsOptions options(app, SettingsUse::kServe);
   bool json = false, quiet = false;
@@ -106,56 +134,46 @@ int main(int argc, char** argv) {
     if (records->count() > 0 && file.empty())
       throw Error("the recording has no name", "--record ''", "name a file, e.g. --record run.rec");
     if (!file.empty()) RecordWriter::check(file);  // before the scene is made and the groom claimed
-    Settings settings = options.resolve();
-    if (claims->count() > 0) {
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    const auto addClaim = [&](Settings& settings) {
+      if (claims->count() == 0) return;
       settings.claim = claim;
       settings.given["claim"] = "--claim";
       checkUnusedNetworkSettings(settings);
+    };
+
+    std::vector<CharacterSettings> characters = options.resolveCharacters();
+    if (!characters.empty()) {
+      if (!file.empty())
+        throw Error("each character has a recording of its own", "--record",
+                    "name a file in its [[character]] table, e.g. record = \"ada.rec\"");
+      for (CharacterSettings& character : characters)
+        forCharacter(character, [&] { addClaim(character.settings); });
+      shareMachine(characters, std::thread::hardware_concurrency());
+      Stage stage(std::move(characters),
+                  [&](uint32_t groom_id, const std::string& backend, const std::string& device) {
+                    return simulationSource(words, options, backend, device, groom_id);
+                  });
+      const std::vector<CharacterEnding> endings = stage.run(g_interrupted);
+      print(endings, json);
+      return exitCodeOf(endings);
     }
-    if (!settings.collider_folder.empty() && !std::filesystem::is_directory(settings.collider_folder))
-      throw Error("the collider folder is not there", settings.collider_folder.string(),
-                  "name a folder of meshes (--collider-folder)");
-    const uint64_t session = newSession();
-    GroomClaim groom(settings,
-                     session);  // conflicting daemons hear each other while the scene is loaded
-    std::unique_ptr<Publisher> publisher = groom.take();
-    Scene scene = makeSceneWithProgress(settings.scene, [&] { groom.check(); });
-    RecordingPublisher* recording = nullptr;
-    if (!file.empty()) {
-      auto recorded = std::make_unique<RecordingPublisher>(std::move(publisher));
-      recording = recorded.get();
-      publisher = std::move(recorded);
-    }
-    Daemon daemon(settings, std::move(scene), *publisher, session);
-    groom.await();
-    if (recording != nullptr) {
-      const std::vector<std::string> words(argv + 1, argv + argc);
-      if (settings.claim)
-        spdlog::warn(
-            "{} can be replayed but not simulated again: a shared groom is the work of several daemons",
-            file.string());
-      recording->open(file, {settings.groom_id, settings.codec,
-                             settings.claim ? ""
-                                            : simulationSource(words, options, daemon.status().backend,
-                                                               daemon.status().device)});
-    }
-    if (grids_every > 0) daemon.setObserver(gridRecorder(*recording, grids_every));
-    if (g_interrupted) throw Interrupted();
-    daemon.announce();
-    spdlog::info("{} groom {} on {} at {:g} frames/s; Ctrl-C ends it",
-                 settings.claim ? "sharing" : "publishing", settings.groom_id, networkName(settings),
-                 settings.rate);
-    const DaemonSummary summary = daemon.run(g_interrupted);
-    const std::string failure = recording != nullptr ? recording->close() : "";
-    const bool is_kept = failure.empty() && publisher->failure().empty();
-    report(summary, json);
-    if (grids_every > 0) warnWithoutGrids(recording->recorder());
-    if (!failure.empty()) spdlog::error("{}", failure);
-    if (!summary.failure.empty()) {
-      spdlog::error("{}", summary.failure);
-      return kExitBadInput;
-    }
-    if (g_interrupted) return kExitInterrupted;
-    return is_kept ? 0 : kExitCheckFailed;
+
+    CharacterSettings only{options.resolve(), "", 0, file};
+    addClaim(only.settings);
+    Character character(only);
+    character.load();
+    if (grids_every > 0) character.daemon().setObserver(gridRecorder(*character.recording(), grids_every));
+    character.announce([&](uint32_t, const std::string& backend, const std::string& device) {
+      return simulationSource(words, options, backend, device);
+    });
+    const CharacterEnding ending = character.cast(g_interrupted);
+    Report out;
+    add(*ending.summary, out);
+    out.print(json);
+    if (grids_every > 0) warnWithoutGrids(character.recording()->recorder());
+    for (const std::string& failure : {ending.recording_failure, ending.failure})
+      if (!failure.empty()) spdlog::error("{}", failure);
+    return exitCodeOf({ending});
   });
 }

@@ -337,6 +337,97 @@ TEST(Config, KeysOfVeryManyPartsAreRefused) {
   EXPECT_EQ(configErrorOf("[parameters]\nwind = [" + parts(1, "1.5") + ", 0.0, 1.5]"), "");
 }
 
+constexpr const char* kCast = R"(
+scene = "curly"
+seed = 7
+[daemon]
+rate = 30
+[[material]]
+radius = 4e-5
+[parameters]
+wind = [1, 0, 0]
+substeps = 8
+[[character]]
+groom_id = 4
+[[character]]
+name = "ada"
+groom_id = 2
+seed = 8
+budget_ms = 3
+record = "ada.rec"
+[character.daemon]
+rate = 90
+[[character.material]]
+density = 1300
+[character.parameters]
+substeps = 6
+[character.transport]
+domain = 5
+)";
+
+TEST(Characters, HaveTheSettingsOfTheFileAndTheirOwnOverThem) {
+  const std::vector<CharacterSettings> cast = readCharactersText(kCast, "some/cast.toml");
+  ASSERT_EQ(cast.size(), 2u);
+  const CharacterSettings &first = cast[0], &ada = cast[1];
+  EXPECT_EQ(first.label(), "groom 4");
+  EXPECT_EQ(first.settings.groom_id, 4u);
+  EXPECT_EQ(first.settings.scene.seed, 7u);
+  EXPECT_EQ(first.settings.rate, 30);
+  EXPECT_EQ(first.budget_ms, 0);
+  EXPECT_TRUE(first.record.empty());
+  ASSERT_EQ(first.settings.scene.materials.size(), 1u);
+  EXPECT_EQ(first.settings.scene.materials[0].settings[0].name, "radius");
+  EXPECT_EQ(ada.label(), "ada");
+  EXPECT_EQ(ada.settings.groom_id, 2u);
+  EXPECT_EQ(ada.settings.scene.name, "curly");
+  EXPECT_EQ(ada.settings.scene.seed, 8u);
+  EXPECT_EQ(ada.settings.rate, 90);
+  EXPECT_EQ(ada.settings.domain, 5);
+  EXPECT_EQ(ada.budget_ms, 3);
+  EXPECT_EQ(ada.record, "some/ada.rec");
+  ASSERT_EQ(ada.settings.scene.materials.size(), 1u) << "a repeated table replaces the file's";
+  EXPECT_EQ(ada.settings.scene.materials[0].settings[0].name, "density");
+  EXPECT_EQ(ada.settings.parameters.back().second, std::vector<double>{6}) << "the last one counts";
+  EXPECT_EQ(ada.settings.given.at("daemon.rate"), "some/cast.toml line 20");
+  EXPECT_TRUE(readCharactersText(kFull, "hair.toml").empty());
+}
+
+TEST(Characters, TheExampleIsRead) {
+  const std::filesystem::path file = std::filesystem::path(STRANDCAST_SOURCE_DIR) / "docs/cast.toml";
+  EXPECT_EQ(readCharactersText(configText(file), file.string()).size(), 3u);
+}
+
+TEST(Characters, ErrorsNameTheCharacterAndTheKey) {
+  const auto expectRefused = [](const std::string& text, const std::vector<std::string>& parts) {
+    SCOPED_TRACE(text);
+    expectError([&] { readCharactersText(text, "cast.toml"); }, parts);
+  };
+  const std::string one = "[[character]]\ngroom_id = 1\n",
+                    ada = "[[character]]\nname = \"ada\"\ngroom_id = 2\n";
+  expectRefused(ada + "[character.groom]\nstrand = 3\n",
+                {"character ada: unknown key 'character.groom.strand': cast.toml line 5", "strands"});
+  expectRefused(one + "[character.daemon]\nrate = 0\n",
+                {"character groom 1: 'character.daemon.rate': 0 is not", "cast.toml line 4"});
+  expectRefused(ada + "colour = 3\n",
+                {"character ada: unknown key 'character.colour'", "budget_ms", "record"});
+  expectRefused(ada + "[character.transport]\ngroom_id = 3\n",
+                {"character ada", "its own groom_id", "line 5"});
+  expectRefused("[transport]\ngroom_id = 3\n" + ada, {"its own groom_id: cast.toml line 2"});
+  expectRefused("[[character]]\nname = \"ada\"\n", {"has no groom_id: cast.toml line 1"});
+  expectRefused(one + "[[character]]\ngroom_id = 1\n", {"the groom_id 1: cast.toml line 4"});
+  expectRefused(ada + "[[character]]\nname = \"ada\"\ngroom_id = 3\n",
+                {"two characters are called 'ada'", "line 5"});
+  expectRefused(ada + "record = \"a.rec\"\n" + one + "record = \"./a.rec\"\n",
+                {"record to one file", "line 7"});
+  expectRefused(ada + "budget_ms = 0\n", {"'character.budget_ms': 0 is not", "line 4"});
+  expectRefused(ada + "record = \"\"\n", {"no name", "line 4"});
+  expectRefused("character = 3\n", {"'character' has a wrong value", "[[character]]"});
+  expectRefused("character = []\n", {"'character' has a wrong value", "[[character]]"});
+  expectRefused(ada + "[[character.character]]\n", {"character ada: unknown key 'character.character'"});
+  expectRefused("speed = 3\n" + ada, {"unknown key 'speed': cast.toml line 1"});
+  EXPECT_NE(configErrorOf(ada).find("by strandcastd alone: hair.toml line 1"), std::string::npos);
+}
+
 TEST(Config, AFileThatCannotBeReadSaysSo) {
   Settings settings;
   EXPECT_THROW(readConfig("no/such/file.toml", settings), Error);
@@ -353,6 +444,15 @@ TEST(Config, DamagedTextNeverDoesWorseThanAnError) {
     Settings settings;
     try {
       readConfigText(text, "hair.toml", settings);
+    } catch (const Error&) {
+    }
+  }
+  for (int round = 0; round < 1000; ++round) {
+    std::string text = kCast;
+    for (int hits = 1 + static_cast<int>(random() % 4); hits > 0; --hits)
+      text[random() % text.size()] = static_cast<char>(random() % 256);
+    try {
+      readCharactersText(text, "cast.toml");
     } catch (const Error&) {
     }
   }

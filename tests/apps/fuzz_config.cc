@@ -5,9 +5,14 @@
 #include "options/settings.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const std::string text(reinterpret_cast<const char*>(data), size);
   strandcast::Settings settings;
   try {
-    strandcast::readConfigText(std::string(reinterpret_cast<const char*>(data), size), "fuzz.toml", settings);
+    strandcast::readConfigText(text, "fuzz.toml", settings);
+  } catch (const strandcast::Error&) {
+  }
+  try {
+    strandcast::readCharactersText(text, "fuzz.toml");
   } catch (const strandcast::Error&) {
   }
   return 0;
