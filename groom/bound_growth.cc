@@ -109,7 +109,7 @@ std::vector<BoundHairReference::Vertex> BoundHairReference::grow(std::span<const
     for (size_t k = 0; k < 3; ++k) {
       const double weight = binding.weight(k), guide_length = lengths_[binding.guides[k]];
       if (weight == 0) continue;
-      const double u = guide_length > length ? knots[j] * (length / guide_length) : knots[j];
+      const double u = f64::placeOnGuide(knots[j], length, guide_length);
       const int i = std::min(static_cast<int>(u * segments_), segments_ - 1);
       const double f = u * segments_ - i;
       const Node* const nodes =

@@ -43,6 +43,11 @@ LANE_FN real3 carriedNormal(LANE_IN(real3) normal, LANE_IN(real3) last_tangent, 
 LANE_FN quat nodeRotation(LANE_IN(quat) last, LANE_IN(real3) rest_tangent, LANE_IN(real3) tangent) {
   return normalizeQuat(multiply(rotationBetween(rotate(last, rest_tangent), tangent), last));
 }
+// Place on a guide of a point at the fraction `along` of a bound hair's length, as a fraction of the guide's: at equal
+// arc lengths, or at equal fractions where the guide is the shorter one. Lengths: m, at rest.
+LANE_FN real placeOnGuide(LANE_IN(real) along, LANE_IN(real) hair_length, LANE_IN(real) guide_length) {
+  return select(guide_length > hair_length, along * (hair_length / max(guide_length, lit(1e-9))), along);
+}
 // Position to which a node carries a point. `rest`: the point, `node_rest`: the node, both at rest.
 LANE_FN real3 carriedPoint(LANE_IN(real3) node, LANE_IN(quat) rotation, LANE_IN(real3) node_rest, LANE_IN(real3) rest) {
   return node + rotate(rotation, rest - node_rest);

@@ -86,9 +86,11 @@ Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float
   return hair.merged(around.intersection(body.mesh.bounds()));
 }
 
-void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body) {
+void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body,
+              const HairDescription* hairs) {
   renderer.setObstacles({});
   renderer.setGroom(groom);
+  if (hairs != nullptr) renderer.setHairs(*hairs);
   renderer.setBody(body);
 }
 

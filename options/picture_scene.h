@@ -19,8 +19,10 @@ std::vector<HairObstacle> hairObstacles(const ColliderSet* colliders, const Body
 /// The box that pictures frame: the guides' bounds grown by `hair_reach` metres on all sides, and the body
 /// around them.
 Box pictureBox(const GroomDescription& groom, const BodyDescription& body, float hair_reach = 0);
-/// Passes groom and body to the renderer and clears its obstacles.
-void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body);
+/// Passes groom, body and bound hairs (null: none) to the renderer and clears its obstacles. Throws Error
+/// where the hairs do not fit the groom.
+void setScene(Renderer& renderer, const GroomDescription& groom, const BodyDescription& body,
+              const HairDescription* hairs = nullptr);
 /// Whether obstacles change the picture: the penetration of grown hair into them is resolved or marked, or
 /// they carry a skinned body.
 bool needsObstacles(const PictureOptions& options, const ColliderSet* colliders);

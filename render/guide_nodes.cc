@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "render/hair_growth.h"
 #include "render/scene_block.h"
 #include "render/shaders.h"
 
@@ -12,11 +11,11 @@ namespace strandcast {
 
 void GuideRoots::setGroom(const StrandSet& guides) {
   rest_.clear();
-  normals_.clear();
+  frames_.clear();
   for (size_t g = 0; g < guides.strands(); ++g) {
     const std::span<const Vec3> points = guides.strand(g);
     rest_.push_back(points.empty() ? Vec3(Vec3::Zero()) : points.front());
-    normals_.push_back(rootFrame(points).normal);
+    frames_.push_back(rootFrame(points));
   }
   binding_ = BodyBinding(rest_, parts_);
 }
@@ -26,16 +25,32 @@ void GuideRoots::setObstacles(std::span<const HairObstacle> obstacles) {
   binding_ = BodyBinding(rest_, parts_);
 }
 
-Vec3 GuideRoots::normal(size_t guide, const Vec3& root, const Pose& head) const {
+Vec3 GuideRoots::carried(size_t guide, const Vec3& direction, const Vec3& root, const Pose& head) const {
   constexpr float kSame = 1e-8f;  // m^2, regularises the share; the root goes with the parts where both
                                   // predictions match
-  const Vec3 &rest = rest_[guide], with_head = head.rotate(normals_[guide]);
-  const Vec3 with_parts = binding_.normal(guide, rest, normals_[guide]);
+  const Vec3 &rest = rest_[guide], with_head = head.rotate(direction);
+  const Vec3 with_parts = binding_.normal(guide, rest, direction);
   const float off_head = (root - head.apply(rest)).squaredNorm(),
               off_parts = (root - binding_.position(guide, rest)).squaredNorm();
   const float share = (off_head + kSame) / (off_head + off_parts + kSame);
-  const Vec3 normal = with_head + share * (with_parts - with_head);
-  return normal.allFinite() ? normal : with_head;
+  const Vec3 result = with_head + share * (with_parts - with_head);
+  return result.allFinite() ? result : with_head;
+}
+
+Vec3 GuideRoots::normal(size_t guide, const Vec3& root, const Pose& head) const {
+  return carried(guide, frames_[guide].normal, root, head);
+}
+
+Quat GuideRoots::rotation(size_t guide, const Vec3& root, const Pose& head) const {
+  const RootFrame& rest = frames_[guide];
+  Eigen::Matrix3f before, after;
+  const Eigen::Vector3f normal = carried(guide, rest.normal, root, head).normalized(),
+                        side = carried(guide, rest.binormal, root, head),
+                        binormal = (side - normal * normal.dot(side)).normalized();
+  before << rest.normal, rest.binormal, rest.normal.cross(rest.binormal);
+  after << normal, binormal, normal.cross(binormal);
+  const Quat rotation = Quat(Eigen::Matrix3f(after * before.transpose())).normalized();
+  return rotation.coeffs().allFinite() ? rotation : head.rotation;
 }
 
 namespace {
@@ -62,14 +77,14 @@ GuideNodes::GuideNodes(int segments)
   setGroom({});
 }
 
-void GuideNodes::setGroom(const StrandSet& guides) {
+void GuideNodes::setGroom(const StrandSet& guides, bool carry_hairs) {
   std::vector<Guide> described(guides.strands());
   std::vector<float> knots;
   knots.reserve(guides.vertices());
   for (size_t g = 0; g < guides.strands(); ++g) {
     const auto points = guides.strand(g);
     appendKnots(points, knots);
-    described[g] = {guides.offsets[g], static_cast<uint32_t>(points.size()), 0, 0, {}};
+    described[g] = {guides.offsets[g], static_cast<uint32_t>(points.size()), 0, 0, {}, arcLength(points), {}};
   }
   const size_t node_bytes = guides.strands() * (segments_ + 1) * 3 * sizeof(float[4]);
   GLint64 largest = 0;
@@ -86,6 +101,24 @@ void GuideNodes::setGroom(const StrandSet& guides) {
   knot_buffer_ = gl::Buffer(std::span<const float>(knots));
   guide_buffer_ = gl::Buffer(std::span<const Guide>(guides_));
   node_buffer_ = gl::Buffer(node_bytes, nullptr, 0);
+  carries_hairs_ = carry_hairs && !guides_.empty();
+  motion_buffer_ = gl::Buffer(carries_hairs_ ? node_bytes / 3 * 2 : 0, nullptr, 0);
+  if (carries_hairs_) makeRestNodes(guides.positions);
+}
+
+void GuideNodes::makeRestNodes(std::span<const Vec3> positions) {
+  const auto program = [](const char* name, const char* defines) {
+    return std::make_unique<gl::Program>(
+        name, std::vector<gl::ShaderStage>{{GL_COMPUTE_SHADER, shaders::kGuideNodesComp, defines}});
+  };
+  if (!rest_program_) {
+    rest_program_ = program("guide nodes at rest", "#define REST\n");
+    carrying_program_ = program("guide nodes that carry hair", "#define CARRY\n");
+  }
+  check(positions);
+  position_buffer_.write(positions);
+  guide_buffer_.write(std::span<const Guide>(guides_));
+  dispatch(*rest_program_);
 }
 
 size_t GuideNodes::check(std::span<const Vec3> positions) {
@@ -118,20 +151,30 @@ size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head,
     const Vec3 normal = guide.carried != 0 ? roots_.normal(g, positions[guide.first], {head.position, turn})
                                            : roots_.restNormal(g);
     std::copy(normal.begin(), normal.end(), guide.root_normal);
+    if (!carries_hairs_) continue;
+    const Quat root =
+        guide.carried != 0 ? roots_.rotation(g, positions[guide.first], {head.position, turn}) : turn;
+    std::copy_n(root.coeffs().data(), 4, guide.root_rotation);
   }
   guide_buffer_.write(std::span<const Guide>(guides_));
-  bind();
-  program_.set("head_rotation", rotation);
-  program_.set("guide_count", static_cast<unsigned>(guides_.size()));
-  program_.set("segments", static_cast<unsigned>(segments_));
-  program_.use();
-  glDispatchCompute((static_cast<unsigned>(guides_.size()) + kNodeGroupSize - 1) / kNodeGroupSize, 1, 1);
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  const gl::Program& program = carries_hairs_ ? *carrying_program_ : program_;
+  program.set("head_rotation", rotation);
+  dispatch(program);
   return unusable;
 }
 
+void GuideNodes::dispatch(const gl::Program& program) const {
+  bind();
+  program.set("guide_count", static_cast<unsigned>(guides_.size()));
+  program.set("segments", static_cast<unsigned>(segments_));
+  program.use();
+  glDispatchCompute((static_cast<unsigned>(guides_.size()) + kNodeGroupSize - 1) / kNodeGroupSize, 1, 1);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
 size_t GuideNodes::bytes() const {
-  return position_buffer_.bytes() + knot_buffer_.bytes() + guide_buffer_.bytes() + node_buffer_.bytes();
+  return position_buffer_.bytes() + knot_buffer_.bytes() + guide_buffer_.bytes() + node_buffer_.bytes() +
+         motion_buffer_.bytes();
 }
 
 void GuideNodes::bind() const {
@@ -139,6 +182,7 @@ void GuideNodes::bind() const {
   knot_buffer_.bindStorage(binding::kGuideKnots);
   guide_buffer_.bindStorage(binding::kGuides);
   node_buffer_.bindStorage(binding::kNodes);
+  if (carries_hairs_) motion_buffer_.bindStorage(binding::kNodeMotions);
 }
 
 }  // namespace strandcast

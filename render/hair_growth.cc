@@ -152,8 +152,6 @@ CurlExample readCurlExample(const std::filesystem::path& file, size_t strand) {
 
 namespace {
 
-constexpr float kMinImportance = 0.02f;
-
 class RandomStream {
  public:
   explicit RandomStream(uint64_t seed) : state_(seed) {}
@@ -168,11 +166,11 @@ class RandomStream {
   uint64_t state_;
 };
 
-std::vector<uint8_t> usableGuides(const StrandSet& guides) {
+std::vector<uint8_t> usableGuides(const StrandSet& guides, std::span<const uint8_t> seeded) {
   std::vector<uint8_t> usable(guides.strands(), 0);
   for (size_t g = 0; g < guides.strands(); ++g) {
     const auto points = guides.strand(g);
-    if (points.size() < 2) continue;
+    if (points.size() < 2 || (!seeded.empty() && seeded[g] == 0)) continue;
     const bool finite =
         std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
     const float length = finite ? arcLength(points) : 0;
@@ -187,8 +185,8 @@ struct Plot {
   bool lone;
 };
 
-std::vector<Plot> plots(const StrandSet& guides, float clump_radius) {
-  const std::vector<uint8_t> usable = usableGuides(guides);
+std::vector<Plot> plots(const StrandSet& guides, float clump_radius, std::span<const uint8_t> seeded) {
+  const std::vector<uint8_t> usable = usableGuides(guides, seeded);
   std::vector<uint8_t> covered(guides.strands(), 0);
   std::vector<Plot> found;
   for (const RootTriangle& triangle : rootTriangles(guides, usable)) {
@@ -296,9 +294,10 @@ RootFrame rootFrame(std::span<const Vec3> points) {
   return {normal, tangent.cross(normal)};
 }
 
-std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
+std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth,
+                            std::span<const uint8_t> seeded) {
   std::vector<Hair> hairs;
-  const std::vector<Plot> ground = plots(guides, growth.clump_radius);
+  const std::vector<Plot> ground = plots(guides, growth.clump_radius, seeded);
   if (ground.empty()) return hairs;
   std::vector<double> area_up_to;
   double mean = 0;
@@ -323,7 +322,7 @@ std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth) {
     const double turns = dither_start + golden * static_cast<double>(i);
     hair.dither = std::min(static_cast<float>(turns - std::floor(turns)), 1 - 0x1p-24f);
     const Vec2 place = scalp.of(hair.guides, hair.weights);
-    hair.importance = growth.importance ? std::max(growth.importance->at(place), kMinImportance) : 1;
+    hair.importance = growth.importance ? std::max(growth.importance->at(place), kLeastImportance) : 1;
     if (growth.thickness) hair.width *= growth.thickness->at(place);
     const bool grows = !growth.density || kept < growth.density->at(place);
     if (grows && hair.width > 0) hairs.push_back(hair);

@@ -38,9 +38,10 @@ CurlExample curlOf(std::span<const Vec3> strand, const std::string& where);
 /// and curlOf(), and where the file has no such strand.
 CurlExample readCurlExample(const std::filesystem::path& file, size_t strand);
 
-/// How one hair follows the guides: 96 bytes, one layout for the CPU and for GLSL std430. Let u be the
-/// fraction of the arc length from the root, P_k the guides' curves and N, B the twist-free frame of guide 0.
-/// The hair is
+/// How one hair follows the guides: 112 bytes, one layout for the CPU and for GLSL std430. A hair that is
+/// bound to its guides (groom/bound_growth.h) has its shape in BoundHairs; of the fields before `importance`,
+/// only guides, dither, weights, width, shade and warmth count. Of other hairs, let u be the fraction of the
+/// arc length from the root, P_k the guides' curves and N, B the twist-free frame of guide 0. The hair is
 ///   x(u) = P_0(u) + (1 - clump u) (spread_1(u) + spread_2(u) + beside_x N + beside_y B)
 ///          + across_x(u) N + across_y(u) B
 /// with spread_k = weight_k (P_k - P_0), for u in [0, extent]. The offset across the guide (position in the
@@ -68,8 +69,14 @@ struct Hair {
   float example_scale;  ///< m, scale of HairGrowth::curl_example, rotated by curl_phase; 0 = none
   float first_sample;   ///< [0, 1), of a pixel's samples, the first one that it covers; independent of
                         ///< `dither`
+  uint32_t color;       ///< sRGB, red in the lowest byte, and bit 24; 0 = that of the settings
+  uint32_t bound;       ///< index plus 1 of a bound hair in BoundHairs; 0 = grown from a seed
+  float reach;          ///< m, largest distance of a bound hair from its guides; else 0
+  float unused;
 };
-static_assert(sizeof(Hair) == 96);
+static_assert(sizeof(Hair) == 112);
+
+constexpr float kLeastImportance = 0.02f;  ///< of Hair::importance
 
 /// The initial axes of a guide's twist-free frame: unit, perpendicular to its first edge and to each other.
 struct RootFrame {
@@ -102,7 +109,7 @@ struct HairGrowth {
   std::shared_ptr<const CurlExample> curl_example{};  ///< scaled with the hair's length; null = none
   std::shared_ptr<const ScalpMap> density{};          ///< fraction of the hairs that grow; null = all
   std::shared_ptr<const ScalpMap> thickness{};        ///< factor of the width, 0 grows none; null = 1
-  std::shared_ptr<const ScalpMap> importance{};  ///< Hair::importance, clamped to at least 0.02; null = 1
+  std::shared_ptr<const ScalpMap> importance{};  ///< Hair::importance, clamped to kLeastImportance; null = 1
   uint64_t seed = 1;
 
   bool operator==(const HairGrowth&) const = default;
@@ -121,9 +128,10 @@ struct GrowthBlock {
 static_assert(sizeof(GrowthBlock) == 32 + 16 * 257);
 
 /// Distributes hairs over the area between the guides' roots and chooses the guides that each follows. Guides
-/// with fewer than 2 vertices, a vertex that is not finite, or no length get no hairs. Deterministic; every
-/// hair has its own random stream, so a setting or map changes only what it controls. Sorted by detailKey(),
-/// largest first.
-std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth);
+/// with fewer than 2 vertices, a vertex that is not finite, or no length get no hairs, nor do those with 0 in
+/// `seeded` (per guide; empty = all 1). Deterministic; every hair has its own random stream, so a setting or
+/// map changes only what it controls. Sorted by detailKey(), largest first.
+std::vector<Hair> growHairs(const StrandSet& guides, const HairGrowth& growth,
+                            std::span<const uint8_t> seeded = {});
 
 }  // namespace strandcast

@@ -10,7 +10,7 @@
 namespace strandcast {
 namespace {
 
-constexpr size_t kGrowthGroupSize = 256;  // must equal local_size_x of hair_growth.comp
+constexpr size_t kGrowthGroupSize = 256;  // must equal local_size_x of hair_growth.comp and bound_growth.comp
 constexpr size_t kVertexBytes = 2 * sizeof(float[4]);
 
 size_t maxVertices() {
@@ -24,11 +24,6 @@ size_t maxVertices() {
 }
 
 }  // namespace
-
-HairVertices::HairVertices()
-    : free_("hair growth", {{GL_COMPUTE_SHADER, shaders::kHairGrowthComp}}),
-      among_bodies_("hair growth among bodies",
-                    {{GL_COMPUTE_SHADER, shaders::kHairGrowthComp, "#define BODIES\n"}}) {}
 
 void HairVertices::makeRoom(size_t count, int max_nodes) {
   if (max_nodes == max_nodes_ && count <= room_) return;
@@ -44,18 +39,18 @@ void HairVertices::makeRoom(size_t count, int max_nodes) {
   }
 }
 
-void HairVertices::grow(size_t count, int segments, int node_stride, bool bodies) {
-  makeRoom(count, segments + 1);
-  nodes_per_hair_ = (segments + node_stride - 1) / node_stride + 1;
+void HairVertices::grow(const gl::Program& program, size_t first, size_t count, int nodes, int node_stride) {
+  makeRoom(count, nodes);
+  nodes_per_hair_ = (nodes - 1 + node_stride - 1) / node_stride + 1;
+  first_ = first;
   hairs_ = count;
-  const gl::Program& program = bodies ? among_bodies_ : free_;
   program.set("node_stride", static_cast<unsigned>(node_stride));
   program.set("nodes_per_hair", static_cast<unsigned>(nodes_per_hair_));
   program.use();
   for (const Chunk& chunk : chunks_) {
     if (chunk.first >= count) break;
     const size_t hairs = std::min(chunk.hairs, count - chunk.first);
-    program.set("first_hair", static_cast<unsigned>(chunk.first));
+    program.set("first_hair", static_cast<unsigned>(first + chunk.first));
     program.set("hair_count", static_cast<unsigned>(hairs));
     chunk.vertices.bindStorage(binding::kHairVertices);
     glDispatchCompute(
@@ -127,8 +122,12 @@ HairPass::HairPass(GrowthPath path, HairGeometry geometry, HairShading shading, 
     : path_(path),
       geometry_(path == GrowthPath::kTessellator ? HairGeometry::kLines : geometry),
       shading_(shading),
+      lights_(lights),
       block_buffer_(sizeof(GrowthBlock), nullptr, GL_DYNAMIC_STORAGE_BIT),
       marks_block_buffer_(sizeof(GrowthBlock), nullptr, GL_DYNAMIC_STORAGE_BIT),
+      free_("hair growth", {{GL_COMPUTE_SHADER, shaders::kHairGrowthComp}}),
+      among_bodies_("hair growth among bodies",
+                    {{GL_COMPUTE_SHADER, shaders::kHairGrowthComp, "#define BODIES\n"}}),
       programs_(makePrograms(path, geometry, shading, lights)) {
   glCreateVertexArrays(1, &empty_vertices_);
   setHairs({}, {});
@@ -137,29 +136,68 @@ HairPass::HairPass(GrowthPath path, HairGeometry geometry, HairShading shading, 
 HairPass::~HairPass() { glDeleteVertexArrays(1, &empty_vertices_); }
 
 void HairPass::setLights(const LightCounts& lights) {
+  lights_ = lights;
   programs_.color = colorProgram(path_, geometry_, shading_, lights);
+  if (bound_programs_)
+    bound_programs_->color = colorProgram(GrowthPath::kCompute, geometry_, shading_, lights);
 }
 
-void HairPass::setHairs(std::vector<Hair> hairs, const HairGrowth& growth) {
+void HairPass::setHairs(std::vector<Hair> hairs, const HairGrowth& growth,
+                        std::unique_ptr<BoundHairs> bound) {
+  if (bound && path_ == GrowthPath::kTessellator && !bound_programs_)
+    bound_programs_ =
+        std::make_unique<Programs>(makePrograms(GrowthPath::kCompute, geometry_, shading_, lights_));
+  bound_ = std::move(bound);
+  bound_vertices_ = HairVertices();
   hairs_ = std::move(hairs);
   hair_buffer_ = gl::Buffer(std::span<const Hair>(hairs_));
   std::vector<uint32_t> all(hairs_.size());
   std::iota(all.begin(), all.end(), 0u);
   list_buffer_ = gl::Buffer(std::span<const uint32_t>(all));
+  select(all);
   for (int i = 0; i < 3; ++i) block_.profile[i] = growth.lock_profile[i];
   if (growth.curl_example) block_.example = growth.curl_example->samples;
 }
 
-void HairPass::select(std::span<const uint32_t> hairs) { list_buffer_.write(hairs); }
+void HairPass::select(std::span<const uint32_t> hairs) {
+  list_.assign(hairs.begin(), hairs.end());
+  bound_before_.clear();
+  listed_seeded_ = list_.size();
+  if (bound_) {
+    bound_before_.push_back(0);
+    for (const uint32_t hair : hairs)
+      bound_before_.push_back(bound_before_.back() + (hairs_[hair].bound > 0));
+    listed_seeded_ -= bound_before_.back();
+    std::stable_partition(list_.begin(), list_.end(), [&](uint32_t hair) { return hairs_[hair].bound == 0; });
+  }
+  list_buffer_.write(std::span<const uint32_t>(list_));
+}
+
+HairPass::Kinds HairPass::kindsOf(size_t hairs) const {
+  if (bound_before_.empty()) return {hairs, 0};
+  const size_t bound = bound_before_[std::min(hairs, list_.size())];
+  return {hairs - bound, bound};
+}
 
 void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
   block_.segments = static_cast<uint32_t>(nodes.segments());
   block_.bodies = static_cast<uint32_t>(keep_out_ ? bodies_.obstacles() : 0);
   block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
   bindHair(nodes);
-  if (block_.bodies > 0) bodies_.computeClosing(detail.hairs, nodes.segments());
+  const Kinds count = kindsOf(detail.hairs);
+  if (block_.bodies > 0) bodies_.computeClosing(count.seeded, nodes.segments());
   if (path_ == GrowthPath::kCompute)
-    vertices_.grow(detail.hairs, nodes.segments(), detail.node_stride, block_.bodies > 0);
+    vertices_.grow(block_.bodies > 0 ? among_bodies_ : free_, 0, count.seeded, nodes.segments() + 1,
+                   detail.node_stride);
+  if (!bound_) return;
+  bound_->bind();
+  bound_vertices_.grow(bound_->program(), listed_seeded_, count.bound, bound_->vertices(),
+                       detail.vertex_stride);
+}
+
+size_t HairPass::bytes() const {
+  return hair_buffer_.bytes() + list_buffer_.bytes() + vertices_.bytes() + bound_vertices_.bytes() +
+         bodies_.bytes() + (bound_ ? bound_->bytes() : 0);
 }
 
 void HairPass::bindForMarks(const GuideNodes& nodes) {
@@ -180,39 +218,51 @@ void HairPass::bindHair(const GuideNodes& nodes) const {
 }
 
 void HairPass::drawFront(const GuideNodes& nodes, const HairDetail& detail, size_t light, float line) const {
-  programs_.front.set("map_light", static_cast<int>(light));
+  for (const Programs* programs : {&programs_, &boundPrograms()})
+    programs->front.set("map_light", static_cast<int>(light));
   glLineWidth(line);
-  draw(programs_.front, nodes, detail, false);
+  drawBoth(&Programs::front, nodes, detail, false);
   glLineWidth(1);
 }
 
 void HairPass::drawOpacity(const GuideNodes& nodes, const HairDetail& detail, size_t light, int map_size,
                            float line) const {
-  programs_.opacity.set("map_light", static_cast<int>(light));
-  programs_.opacity.set("map_size", static_cast<float>(map_size));
-  programs_.opacity.set("line_texels", line);
+  for (const Programs* programs : {&programs_, &boundPrograms()}) {
+    programs->opacity.set("map_light", static_cast<int>(light));
+    programs->opacity.set("map_size", static_cast<float>(map_size));
+    programs->opacity.set("line_texels", line);
+  }
   glLineWidth(line);
-  draw(programs_.opacity, nodes, detail, false);
+  drawBoth(&Programs::opacity, nodes, detail, false);
   glLineWidth(1);
 }
 
 void HairPass::drawColor(const GuideNodes& nodes, const SceneBlock& block, const HairDetail& detail) const {
   glLineWidth(block.sampling.y());
-  draw(programs_.color, nodes, detail, geometry_ == HairGeometry::kStrips);
+  drawBoth(&Programs::color, nodes, detail, geometry_ == HairGeometry::kStrips);
   glLineWidth(1);
+}
+
+void HairPass::drawBoth(gl::Program Programs::*program, const GuideNodes& nodes, const HairDetail& detail,
+                        bool strips) const {
+  draw(programs_.*program, nodes, detail, strips);
+  if (!bound_programs_) return;
+  const gl::Program& for_bound = (*bound_programs_).*program;
+  bind(for_bound, nodes, detail);
+  drawGrown(for_bound, bound_vertices_, kindsOf(detail.hairs).bound, strips);
 }
 
 void HairPass::draw(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail,
                     bool strips) const {
   bind(program, nodes, detail);
-  if (path_ == GrowthPath::kCompute)
-    drawGrown(program, detail.hairs, strips);
-  else
-    drawPatches(nodes, detail);
+  if (path_ == GrowthPath::kTessellator) return drawPatches(nodes, detail);
+  const Kinds count = kindsOf(detail.hairs);
+  drawGrown(program, vertices_, count.seeded, strips);
+  drawGrown(program, bound_vertices_, count.bound, strips);
 }
 
 void HairPass::bind(const gl::Program& program, const GuideNodes& nodes, const HairDetail& detail) const {
-  program.set("hair_count", static_cast<unsigned>(detail.hairs));
+  program.set("hair_count", static_cast<unsigned>(kindsOf(detail.hairs).seeded));
   program.set("pass_segments", segmentsOf(nodes, detail.node_stride));
   program.set("node_stride", static_cast<unsigned>(detail.node_stride));
   program.set("threshold", detail.threshold);
@@ -222,7 +272,7 @@ void HairPass::bind(const gl::Program& program, const GuideNodes& nodes, const H
 
 void HairPass::drawPatches(const GuideNodes& nodes, const HairDetail& detail) const {
   const size_t along = (segmentsOf(nodes, detail.node_stride) + kSegmentsPerPatch - 1) / kSegmentsPerPatch;
-  const size_t patches = (detail.hairs + kHairsPerPatch - 1) / kHairsPerPatch * along;
+  const size_t patches = (kindsOf(detail.hairs).seeded + kHairsPerPatch - 1) / kHairsPerPatch * along;
   glBindVertexArray(empty_vertices_);
   glPatchParameteri(GL_PATCH_VERTICES, 1);
   for (size_t first = 0; first < patches; first += kPatchesPerDraw)
@@ -231,14 +281,15 @@ void HairPass::drawPatches(const GuideNodes& nodes, const HairDetail& detail) co
   glBindVertexArray(0);
 }
 
-void HairPass::drawGrown(const gl::Program& program, size_t count, bool strips) const {
-  const GLsizei nodes = vertices_.nodesPerHair();
+void HairPass::drawGrown(const gl::Program& program, const HairVertices& vertices, size_t count,
+                         bool strips) const {
+  const GLsizei nodes = vertices.nodesPerHair();
   program.set("nodes_per_hair", static_cast<unsigned>(nodes));
   glBindVertexArray(empty_vertices_);
-  for (const HairVertices::Chunk& chunk : vertices_.chunks()) {
-    if (chunk.first >= std::min(count, vertices_.hairs())) break;
-    const size_t hairs = std::min(chunk.hairs, std::min(count, vertices_.hairs()) - chunk.first);
-    program.set("first_hair", static_cast<unsigned>(chunk.first));
+  for (const HairVertices::Chunk& chunk : vertices.chunks()) {
+    if (chunk.first >= std::min(count, vertices.hairs())) break;
+    const size_t hairs = std::min(chunk.hairs, std::min(count, vertices.hairs()) - chunk.first);
+    program.set("first_hair", static_cast<unsigned>(vertices.first() + chunk.first));
     chunk.vertices.bindStorage(binding::kHairVertices);
     glDrawArraysInstanced(strips ? GL_TRIANGLE_STRIP : GL_LINE_STRIP, 0, strips ? 2 * nodes : nodes,
                           static_cast<GLsizei>(hairs));
@@ -290,17 +341,18 @@ void Marks::draw(const MarkSettings& marks, const GuideNodes& nodes, HairPass& h
     glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(nodes.vertices()));
   }
   if (marks.inside) {
-    const HairVertices& grown = hair.vertices();
     inside_.set("size", kInsidePixels);
     inside_.set("reach", kInsideSlack);
-    inside_.set("nodes_per_hair", static_cast<unsigned>(grown.nodesPerHair()));
     inside_.use();
-    for (const HairVertices::Chunk& chunk : grown.chunks()) {
-      if (chunk.first >= grown.hairs()) break;
-      chunk.vertices.bindStorage(binding::kHairVertices);
-      inside_.set("first_hair", static_cast<unsigned>(chunk.first));
-      glDrawArraysInstanced(GL_POINTS, 0, grown.nodesPerHair(),
-                            static_cast<GLsizei>(std::min(chunk.hairs, grown.hairs() - chunk.first)));
+    for (const HairVertices* grown : {&hair.vertices(), &hair.boundVertices()}) {
+      inside_.set("nodes_per_hair", static_cast<unsigned>(grown->nodesPerHair()));
+      for (const HairVertices::Chunk& chunk : grown->chunks()) {
+        if (chunk.first >= grown->hairs()) break;
+        chunk.vertices.bindStorage(binding::kHairVertices);
+        inside_.set("first_hair", static_cast<unsigned>(grown->first() + chunk.first));
+        glDrawArraysInstanced(GL_POINTS, 0, grown->nodesPerHair(),
+                              static_cast<GLsizei>(std::min(chunk.hairs, grown->hairs() - chunk.first)));
+      }
     }
   }
   glDisable(GL_PROGRAM_POINT_SIZE);

@@ -148,7 +148,7 @@ HairGroups::HairGroups(const StrandSet& guides, std::span<const Hair> hairs, con
     const float root = std::hypot(hair.beside[0], hair.beside[1]);
     const float lock = std::hypot(hair.offset[0], hair.offset[1]) * profile;
     const float reach = root + lock + hair.tip_deviation + hair.whole_deviation + hair.curl_radius +
-                        hair.example_scale * example_reach;
+                        hair.example_scale * example_reach + hair.reach;
     group.reach = std::max(group.reach, reach);
     mean_reach_ += reach / static_cast<float>(hairs.size());
     for (const uint32_t guide : hair.guides) group.guides.push_back(guide);

@@ -31,7 +31,8 @@ class PlausibleBounds {
 struct HairDetail {
   float threshold = 1e9f;  ///< above 0
   size_t hairs = 0;        ///< number of hairs to draw, from the first
-  int node_stride = 1;
+  int node_stride = 1;     ///< of hairs grown from a seed
+  int vertex_stride = 1;   ///< of bound hairs, which keep their last vertex
 };
 
 /// A size with hysteresis. The held size is `band` (0 = none) larger than the true one and changes only where
@@ -68,7 +69,7 @@ class HairGroups {
   static constexpr size_t kGroupGuides = 32;
 
   HairGroups() = default;
-  /// `guides`: at rest. `hairs`: from growHairs() with these guides and this growth.
+  /// `guides`: at rest. `hairs`: from growHairs() and boundHairs() with these guides and this growth.
   HairGroups(const StrandSet& guides, std::span<const Hair> hairs, const HairGrowth& growth);
 
   size_t count() const { return groups_.size(); }

@@ -11,11 +11,13 @@
 #include "core/error.h"
 #include "gl/timers.h"
 #include "render/body_pass.h"
+#include "render/bound_hairs.h"
 #include "render/camera.h"
 #include "render/framebuffer.h"
 #include "render/hair_pass.h"
 #include "render/hair_selection.h"
 #include "render/shadow_maps.h"
+#include "transport/codec/hair_codec.h"
 
 namespace strandcast {
 namespace {
@@ -56,6 +58,20 @@ int minSegments(const StrandSet& guides, const RenderSettings& settings, const s
          lengthKept(guides, least / 2) > kLengthKept)
     least /= 2;
   return least;
+}
+
+int minBoundSegments(const StrandSet& hairs, int segments) {
+  while (segments >= 8 && lengthKept(hairs, segments / 2) > kLengthKept) segments /= 2;
+  return segments;
+}
+
+float longestOf(const StrandSet& strands) {
+  float longest = 0;
+  for (size_t s = 0; s < strands.strands(); ++s) {
+    const float length = arcLength(strands.strand(s));
+    if (std::isfinite(length)) longest = std::max(longest, length);
+  }
+  return longest;
 }
 
 /// Both paths need storage buffers in a stage for which OpenGL does not require them.
@@ -131,7 +147,9 @@ struct Renderer::Impl {
     const bool other_nodes = first || changed(&RenderSettings::segments);
     const bool other_hair =
         first || changed(&RenderSettings::growth_path, &RenderSettings::geometry, &RenderSettings::shading);
-    const bool hair_moves = !first && (other_nodes || other_hair || changed(&RenderSettings::growth));
+    const bool other_widths = !bound.hairs.radii.empty() && changed(&RenderSettings::hair_width);
+    const bool hair_moves =
+        !first && (other_nodes || other_hair || other_widths || changed(&RenderSettings::growth));
     const LightCounts counts = countsOf(next);
     const bool other_lights = counts != countsOf(settings);
 
@@ -175,12 +193,28 @@ struct Renderer::Impl {
         factor > 1 ? std::make_unique<Supersampling>(next.width, next.height, factor, next.filter) : nullptr};
   }
 
-  /// Grows the hair: chooses the guides that each hair follows.
+  /// Grows the hair: chooses the guides that each hair follows, and adds those that are bound.
   void placeHair() {
+    const bool any_bound = bound.hairs.strands() > 0;
     hair->setHairs({}, settings.growth);
-    nodes->setGroom(rest_guides);
-    hair->setHairs(growHairs(rest_guides, settings.growth), settings.growth);
-    min_segments = minSegments(rest_guides, settings, hair->hairs());
+    nodes->setGroom(rest_guides, any_bound);
+    std::vector<Hair> hairs = growHairs(rest_guides, settings.growth);
+    min_segments = minSegments(rest_guides, settings, hairs);
+    std::unique_ptr<BoundHairs> shapes;
+    statistics.hairs_bound = 0;
+    widest_hair = 1;
+    if (any_bound) {
+      shapes = std::make_unique<BoundHairs>(bound.hairs);
+      bound_segments = shapes->vertices() - 1;
+      min_bound_segments = minBoundSegments(bound.hairs, bound_segments);
+      const std::vector<Hair> also = boundHairs(bound, rest_guides, settings.growth, settings.hair_width);
+      for (const Hair& one : also) widest_hair = std::max(widest_hair, one.width);
+      statistics.hairs_bound = also.size();
+      hairs.insert(hairs.end(), also.begin(), also.end());
+      std::stable_sort(hairs.begin(), hairs.end(),
+                       [](const Hair& a, const Hair& b) { return detailKey(a) > detailKey(b); });
+    }
+    hair->setHairs(std::move(hairs), settings.growth, std::move(shapes));
     groups = HairGroups(rest_guides, hair->hairs(), settings.growth);
     selected = {};
     statistics.hairs_grown = hair->hairs().size();
@@ -189,7 +223,7 @@ struct Renderer::Impl {
   /// Bounds of hair and body; the guides' bounds are widened by the hairs' reach.
   Box content() const {
     Box box = boundsOf(guides, place);
-    if (!box.isEmpty()) box = widened(box, groups.reach() + settings.hair_width);
+    if (!box.isEmpty()) box = widened(box, groups.reach() + settings.hair_width * widest_hair);
     box.extend(moved(body.bounds(), head));
     box.extend(body.bounds());  // a part of it may stay at rest
     return box;
@@ -197,7 +231,7 @@ struct Renderer::Impl {
 
   std::vector<Visibility> visibilityOfGroups() {
     if (guides.size() == nodes->vertices())
-      groups.place(guides, place, settings.hair_width + 2 * settings.clearance);
+      groups.place(guides, place, settings.hair_width * widest_hair + 2 * settings.clearance);
     const ViewVolume view(block.view_projection);
     std::vector<Visibility> visibility(groups.count(), Visibility::kCulled);
     statistics.groups = groups.count();
@@ -260,7 +294,7 @@ struct Renderer::Impl {
       const bool seen = clip.w() > depth_range.near && clip.head<2>().cwiseAbs().maxCoeff() < clip.w();
       if (seen && clip.w() < nearest) nearest = clip.w();
     }
-    const float widest = 1.25f * block.hair_color.w() * block.eye.w() / nearest;
+    const float widest = std::max(1.25f, widest_hair) * block.hair_color.w() * block.eye.w() / nearest;
     return std::clamp(widest * std::max(1 / detail.threshold, 1.0f), 1.0f, widest_line);
   }
 
@@ -327,9 +361,12 @@ struct Renderer::Impl {
         wanted.finest_hair > 0 ? wanted.finest_hair : 1 / static_cast<float>(picture->samples());
     HairDetail chosen = wanted.part > 0 ? detailOfPart(hair->hairs(), wanted.part)
                                         : detailOfSize(hair->hairs(), widest, finest);
-    const float segment_pixels =
-        longest_guide / static_cast<float>(settings.segments) * widest / block.hair_color.w();
-    chosen.node_stride = strideFor(segment_pixels, wanted.longest_segment, settings.segments, min_segments);
+    const auto stride = [&](float length, int segments, int least) {
+      const float segment_pixels = length / static_cast<float>(segments) * widest / block.hair_color.w();
+      return strideFor(segment_pixels, wanted.longest_segment, segments, least);
+    };
+    chosen.node_stride = stride(longest_guide, settings.segments, min_segments);
+    if (bound_segments > 0) chosen.vertex_stride = stride(longest_bound, bound_segments, min_bound_segments);
     return chosen;
   }
 
@@ -337,6 +374,7 @@ struct Renderer::Impl {
   HairDetail shadowDetailFor(const HairDetail& seen) const {
     HairDetail chosen = detailOfSize(hair->hairs(), kShadowHairs * seen.threshold, 1);
     chosen.node_stride = seen.node_stride;
+    chosen.vertex_stride = seen.vertex_stride;
     return chosen;
   }
 
@@ -487,9 +525,12 @@ struct Renderer::Impl {
   PlausibleBounds place;
   std::vector<PlacedCollider> colliders;
   Box rest_bounds;
-  float longest_guide = 0;  // m
-  float hair_radius = 0;    // m, of the groom
+  HairDescription bound;
+  float longest_guide = 0, longest_bound = 0;  // m
+  float hair_radius = 0;                       // m, of the groom
   int min_segments = 1;
+  int bound_segments = 0, min_bound_segments = 1;  // of the bound hair with the most vertices
+  float widest_hair = 1;                           // factor of the settings' width, at least 1
   // State of the picture in progress.
   Box lit;
   DepthRange depth_range;
@@ -523,17 +564,33 @@ void Renderer::setGroom(const GroomDescription& groom) {
     throw Error("a groom is damaged", groom.name, "its strands and its vertices do not fit together");
   impl_->rest_guides = guides;
   impl_->hair_radius = groom.hair_radius;
+  impl_->bound = {};
   impl_->placeHair();
-  impl_->longest_guide = 0;
-  for (size_t g = 0; g < guides.strands(); ++g) {
-    const float length = arcLength(guides.strand(g));
-    if (std::isfinite(length)) impl_->longest_guide = std::max(impl_->longest_guide, length);
-  }
+  impl_->longest_guide = longestOf(guides);
   impl_->guides = guides.positions;
   impl_->head = Pose{};
   impl_->place = PlausibleBounds(guides.positions);
   impl_->rest_bounds = boundsOf(guides.positions, impl_->place);
   impl_->statistics.guides = guides.strands();
+}
+
+void Renderer::setHairs(const HairDescription& hairs) {
+  const bool any = hairs.hairs.strands() > 0;
+  if (any) {
+    requireBuffers(GrowthPath::kCompute);
+    checkHairs(hairs, impl_->rest_guides, "bound hairs");
+  } else if (impl_->bound.hairs.strands() == 0) {
+    return;
+  }
+  impl_->bound = hairs;
+  impl_->longest_bound = longestOf(hairs.hairs);
+  try {
+    impl_->placeHair();
+  } catch (const Error&) {  // too large for the device
+    impl_->bound = {};
+    impl_->placeHair();
+    throw;
+  }
 }
 
 void Renderer::setBody(const BodyDescription& body) { impl_->body.setBody(body); }

@@ -25,12 +25,13 @@ struct RenderStatistics {
   size_t guides = 0;  ///< of the groom
   size_t guides_unusable = 0;  ///< of the newest frame: guides that are not finite; hairs that follow them
                                ///< are not drawn
-  size_t hairs_grown = 0;      ///< of the groom
+  size_t hairs_grown = 0;      ///< of the groom, with the bound ones
+  size_t hairs_bound = 0;      ///< of these
   size_t hairs_drawn = 0;      ///< in the newest picture, after level of detail and culling
   size_t hairs_computed = 0;   ///< in the newest picture: drawn hairs, and those that only cast shadows into
                                ///< it
   size_t groups = 0, groups_seen = 0;  ///< groups of hair, and those that may be in the picture
-  int segments_drawn = 0;              ///< per hair
+  int segments_drawn = 0;              ///< per hair grown from a seed
   size_t device_bytes = 0;             ///< of guides, grown hair and shadow maps
   std::vector<PassTime> passes;        ///< in their order of execution
   double guides_ms = 0, growth_ms = 0, shadow_ms = 0, body_ms = 0, hair_ms = 0,
@@ -49,8 +50,11 @@ class Renderer {
   void setSettings(const RenderSettings& settings);
   const RenderSettings& settings() const;  ///< clamped
   /// Grows the hair: chooses the guides that each hair follows. Call again when the groom changes. An empty
-  /// groom draws no hair.
+  /// groom draws no hair. Forgets bound hairs.
   void setGroom(const GroomDescription& groom);
+  /// Hairs that are bound to the groom's guides, drawn beside those that grow from the seed. Without hairs
+  /// there are none. Throws Error where they do not fit the groom.
+  void setHairs(const HairDescription& hairs);
   /// m, distance of hairs from their guides, mean over all hairs.
   float hairReach() const;
   /// A mesh without triangles draws no body.

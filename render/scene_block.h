@@ -12,8 +12,9 @@ namespace strandcast {
 namespace binding {
 constexpr GLuint kScene = 0, kGrowth = 1;  // uniform blocks
 constexpr GLuint kGuidePositions = 0, kGuideKnots = 1, kGuides = 2, kNodes = 3, kHairs = 4, kHairVertices = 5,
-                 kBodies = 6, kBodyWords = 7, kHairBodies = 8, kProbe = 9, kProbeAnswer = 10,
-                 kHairList = 11;                                     // storage buffers
+                 kBodies = 6, kBodyWords = 7, kHairBodies = 8, kProbe = 9, kProbeAnswer = 10, kHairList = 11,
+                 kNodeMotions = 12, kBoundHairs = 13,
+                 kBoundVertices = 14;                                // storage buffers
 constexpr GLuint kSolidDepth = 0, kHairFront = 1, kHairOpacity = 2;  // textures
 }  // namespace binding
 

@@ -10,8 +10,10 @@
 
 namespace strandcast {
 
-std::vector<GrownVertex> readComputed(const HairPass& pass, const GuideNodes& nodes, int node_stride) {
-  const HairVertices& grown = pass.vertices();
+namespace {
+
+std::vector<GrownVertex> readGrown(const HairPass& pass, const HairVertices& grown, int last_node,
+                                   int node_stride) {
   const size_t per_hair = static_cast<size_t>(grown.nodesPerHair());
   std::vector<GrownVertex> read;
   std::vector<float> numbers;
@@ -23,11 +25,22 @@ std::vector<GrownVertex> readComputed(const HairPass& pass, const GuideNodes& no
     for (size_t v = 0; v < numbers.size() / 8; ++v) {
       const float* n = &numbers[8 * v];
       const int node = static_cast<int>(v % per_hair) * node_stride;
-      read.push_back({Vec3(n[0], n[1], n[2]), static_cast<uint32_t>(chunk.first + v / per_hair),
-                      Vec3(n[4], n[5], n[6]), static_cast<uint32_t>(std::min(node, nodes.segments()))});
+      read.push_back({Vec3(n[0], n[1], n[2]), pass.listed(grown.first() + chunk.first + v / per_hair),
+                      Vec3(n[4], n[5], n[6]), static_cast<uint32_t>(std::min(node, last_node))});
     }
   }
   return read;
+}
+
+}  // namespace
+
+std::vector<GrownVertex> readComputed(const HairPass& pass, const GuideNodes& nodes, int node_stride) {
+  return readGrown(pass, pass.vertices(), nodes.segments(), node_stride);
+}
+
+std::vector<GrownVertex> readBound(const HairPass& pass, int vertex_stride) {
+  const HairVertices& grown = pass.boundVertices();
+  return readGrown(pass, grown, (grown.nodesPerHair() - 1) * vertex_stride, vertex_stride);
 }
 
 std::vector<GrownVertex> readTessellated(const HairPass& pass, const GuideNodes& nodes,

@@ -1,5 +1,7 @@
 #version 450 core
-// One invocation evaluates one guide from root to tip; see guide_nodes.h.
+// variants: none | REST=1 | CARRY=1
+// One invocation evaluates one guide from root to tip; see guide_nodes.h. REST: its nodes at rest. CARRY: their
+// rotations from there, too.
 layout(local_size_x = 32) in;
 #include "kernels/lanes_glsl.h"
 #include "kernels/rotation.h"
@@ -7,12 +9,16 @@ layout(local_size_x = 32) in;
 
 struct Guide {
   uint first, count, usable, carried;
-  vec4 root_normal;
+  vec4 root_normal;  // w: length of the guide at rest, m
+  vec4 root_rotation;
 };
 layout(std430, binding = 0) readonly buffer GuidePositions { float positions[]; };
 layout(std430, binding = 1) readonly buffer GuideKnots { float knots[]; };
 layout(std430, binding = 2) readonly buffer Guides { Guide guides[]; };
-layout(std430, binding = 3) writeonly buffer Nodes { vec4 nodes[]; };
+layout(std430, binding = 3) buffer Nodes { vec4 nodes[]; };
+#if defined(REST) || defined(CARRY)
+layout(std430, binding = 12) buffer NodeMotions { vec4 motions[]; };  // position at rest (w: length, -1 unusable), rotation
+#endif
 uniform mat4 head_rotation;
 uniform uint guide_count;
 uniform uint segments;
@@ -50,6 +56,26 @@ vec3 anyNormal(vec3 unit) {
   return normalize(other - unit * dot(other, unit));
 }
 
+#ifdef CARRY
+// Unit secants about a node over an eighth of the guide's nodes to both sides; edges of received guides are noisy.
+void secantsAt(uint guide, uint node, out vec3 rest, out vec3 present) {
+  uint reach = max(segments / 8u, 1u), first = guide * (segments + 1u);
+  uint low = first + node - min(node, reach), high = first + min(node + reach, segments);
+  rest = normalizeOrZero(motions[2u * high].xyz - motions[2u * low].xyz);
+  present = normalizeOrZero(nodes[3u * high].xyz - nodes[3u * low].xyz);
+}
+
+// As BoundHairReference (groom/bound_growth.h): the root's rotation stays as given, a clamped root bends behind it.
+void carryRotation(uint guide, quat rotation) {
+  for (uint i = 0u; i <= segments; ++i) {
+    vec3 rest, present;
+    secantsAt(guide, i, rest, present);
+    if (i > 0u) rotation = nodeRotation(rotation, rest, present);
+    motions[2u * (guide * (segments + 1u) + i) + 1u] = vec4(rotation.x, rotation.y, rotation.z, rotation.w);
+  }
+}
+#endif
+
 void main() {
   uint g = gl_GlobalInvocationID.x;
   if (g >= guide_count) return;
@@ -57,6 +83,9 @@ void main() {
   uint base = g * (segments + 1u) * 3u;
   if (guide.usable == 0u) {
     for (uint i = 0u; i < 3u * (segments + 1u); ++i) nodes[base + i] = vec4(0);
+#ifdef REST
+    for (uint i = 0u; i <= segments; ++i) motions[2u * (g * (segments + 1u) + i)] = vec4(0, 0, 0, -1);
+#endif
     return;
   }
   vec3 last_position = vertexAt(guide.first), last_tangent = unitOr(tangentAt(guide, 0u), vec3(0, -1, 0));
@@ -74,8 +103,16 @@ void main() {
     normal = unitOr(carriedNormal(normal, last_tangent, position - last_position, tangent), anyNormal(tangent));
     last_position = position;
     last_tangent = tangent;
+#ifdef REST
+    motions[2u * (g * (segments + 1u) + i)] = vec4(position, guide.root_normal.w);
+#else
     nodes[base + 3u * i] = vec4(position, 1);
     nodes[base + 3u * i + 1u] = vec4(derivative, 0);
     nodes[base + 3u * i + 2u] = vec4(normal, 0);
+#endif
   }
+#ifdef CARRY
+  vec4 root = guide.root_rotation;
+  carryRotation(g, normalizeQuat(makeQuat(root.x, root.y, root.z, root.w)));
+#endif
 }

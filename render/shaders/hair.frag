@@ -10,6 +10,7 @@
 layout(location = 4) in vec4 lit_position;
 layout(location = 5) in vec3 lit_tangent;
 layout(location = 6) flat in vec2 lit_tint;
+layout(location = 7) flat in vec3 lit_color;
 #else
 layout(location = 4) in vec3 radiance;
 #endif
@@ -21,7 +22,7 @@ void main() {
   int reached = int(floor(min(coverage, 1.0) * scene.sampling.x + dither.x));
   if (reached <= 0) discard;
 #ifdef PER_FRAGMENT
-  vec3 radiance = hairRadiance(lit_position.xyz, normalize(lit_tangent), lit_position.w, lit_tint.x, lit_tint.y);
+  vec3 radiance = hairRadiance(lit_color, lit_position.xyz, normalize(lit_tangent), lit_position.w, lit_tint.x, lit_tint.y);
 #endif
   gl_SampleMask[0] = -1;  // all samples; undefined if not written
   if (scene.opacity.z > 0.0) {

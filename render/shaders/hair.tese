@@ -24,7 +24,7 @@ void main() {
   Hair hair = hairs[hair_list[index]];
   HairPoint point = grownHair(index, hair, node);
   vec3 tangent = normalize(point.derivative + vec3(0, 1e-12, 0));
-  emitHair(hair, point.position, tangent, point.along, 0.0);
+  emitHair(hair, point.position, tangent, point.along, hairTaper(point.along), 0.0);
 #ifdef CAPTURE
   captured_position = vec4(point.position, float(hair_list[index]));
   captured_tangent = vec4(tangent, float(node));

@@ -23,6 +23,10 @@ struct Hair {
   float importance;
   float example_scale;
   float first_sample;
+  uint color;
+  uint bound;
+  float reach;
+  float unused;
 };
 layout(std430, binding = 3) readonly buffer Nodes { vec4 nodes[]; };
 layout(std430, binding = 4) readonly buffer Hairs { Hair hairs[]; };

@@ -21,5 +21,6 @@ void main() {
   HairPoint point = freeHair(hair, node, vec2(0));
 #endif
   hair_vertices[2u * i] = vec4(point.position, point.along);
-  hair_vertices[2u * i + 1u] = vec4(normalize(point.derivative + vec3(0, 1e-12, 0)), point.usable ? 1.0 : 0.0);
+  hair_vertices[2u * i + 1u] =
+      vec4(normalize(point.derivative + vec3(0, 1e-12, 0)), point.usable ? hairTaper(point.along) : -1.0);
 }

@@ -34,13 +34,14 @@ vec3 scattered(vec3 base, vec3 tangent, vec3 l, vec3 e) {
   return (0.5 * diffuse + specular * sine) * energyFactor(max(base.r, max(base.g, base.b)));
 }
 
-vec3 hairRadiance(vec3 position, vec3 tangent, float along, float shade, float warmth) {
+// `color`: linear, of the hair at half of its length.
+vec3 hairRadiance(vec3 color, vec3 position, vec3 tangent, float along, float shade, float warmth) {
   vec3 e = normalize(scene.eye.xyz - position);
-  vec3 base = scene.hair_color.rgb * (1.0 + 0.35 * shade) * mix(0.75, 1.25, along);
+  vec3 base = color * (1.0 + 0.35 * shade) * mix(0.75, 1.25, along);
   base *= vec3(1.0 + 0.10 * warmth, 1.0, 1.0 - 0.10 * warmth);
   base /= max(max(base.r, max(base.g, base.b)), 1.0);
   // Dense hair transmits its own colour: the least absorbed component penetrates deepest.
-  vec3 tint = scene.hair_color.rgb / max(max(scene.hair_color.r, scene.hair_color.g), max(scene.hair_color.b, 1e-3));
+  vec3 tint = color / max(max(color.r, color.g), max(color.b, 1e-3));
   vec3 direct = vec3(0);
   vec2 clear = vec2(0);
   for (int light = 0; light < LIGHTS; ++light) {

@@ -5,7 +5,7 @@
 #include "render/shaders/hair_curve.glsl"
 #include "render/shaders/hair_vertex.glsl"
 layout(std430, binding = 5) readonly buffer HairVertices { vec4 hair_vertices[]; };
-uniform uint first_hair;  // of the buffer
+uniform uint first_hair;  // of the buffer, in the list
 uniform uint nodes_per_hair;
 
 void main() {
@@ -18,8 +18,8 @@ void main() {
   float side = 0.0;
 #endif
   uint at = 2u * (in_buffer * nodes_per_hair + node);
-  vec4 position_along = hair_vertices[at], tangent_usable = hair_vertices[at + 1u];
+  vec4 position_along = hair_vertices[at], tangent_width = hair_vertices[at + 1u];
   uint index = first_hair + in_buffer;
-  emitHair(hairs[hair_list[index]], position_along.xyz, tangent_usable.xyz, position_along.w, side);
-  if (tangent_usable.w < 0.5) gl_Position = vec4(2, 2, 2, 1);
+  emitHair(hairs[hair_list[index]], position_along.xyz, tangent_width.xyz, position_along.w, tangent_width.w, side);
+  if (tangent_width.w < 0.0) gl_Position = vec4(2, 2, 2, 1);
 }

@@ -6,6 +6,7 @@
 layout(location = 4) out vec4 lit_position;  // w: fraction of the hair's length up to it
 layout(location = 5) out vec3 lit_tangent;
 layout(location = 6) flat out vec2 lit_tint;  // shade and warmth
+layout(location = 7) flat out vec3 lit_color;
 #else
 #include "render/shaders/hair_shading.glsl"
 layout(location = 4) out vec3 radiance;
@@ -46,8 +47,16 @@ float lengthInTexel(vec3 position, vec3 tangent, vec4 clip) {
 }
 #endif
 
-void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
-  float width = scene.hair_color.w * hair.width * hairTaper(along) * detailWidth(hair, dither.x);
+// Linear; Hair::color, else that of the settings.
+vec3 colorOfHair(Hair hair) {
+  if (hair.color == 0u) return scene.hair_color.rgb;
+  vec3 s = unpackUnorm4x8(hair.color).rgb;
+  return mix(s / 12.92, pow((s + 0.055) / 1.055, vec3(2.4)), greaterThan(s, vec3(0.04045)));
+}
+
+// `part`: width at this vertex over the hair's full width.
+void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float part, float side) {
+  float width = scene.hair_color.w * hair.width * part * detailWidth(hair, dither.x);
   dither.y = hair.first_sample;
 #ifdef COLOR
   gl_Position = scene.view_projection * vec4(position, 1);
@@ -68,8 +77,9 @@ void emitHair(Hair hair, vec3 position, vec3 tangent, float along, float side) {
   lit_position = vec4(position, along);
   lit_tangent = tangent;
   lit_tint = vec2(hair.shade, hair.warmth);
+  lit_color = colorOfHair(hair);
 #else
-  radiance = hairRadiance(position, tangent, along, hair.shade, hair.warmth);
+  radiance = hairRadiance(colorOfHair(hair), position, tangent, along, hair.shade, hair.warmth);
 #endif
 #else
   gl_Position = lightClip(map_light, position);

@@ -14,7 +14,7 @@ layout(std430, binding = 0) readonly buffer GuidePositions { float positions[]; 
 #endif
 #ifdef INSIDE
 layout(std430, binding = 5) readonly buffer HairVertices { vec4 hair_vertices[]; };
-uniform uint first_hair;  // of the buffer
+uniform uint first_hair;  // of the buffer, in the list
 #endif
 
 // Moves marks 3 mm towards the eye, so that they show on the surface they lie on.
@@ -58,7 +58,7 @@ void main() {
   float distance = bodyDistance(position.xyz, normal), root_distance = bodyDistance(hair_vertices[root].xyz, normal);
   float u = position.w * hairs[hair_list[first_hair + uint(gl_InstanceID)]].extent;  // of the guide
   mark_color = vec3(1, 0.05, 0.3);
-  place(position.xyz, hair_vertices[at + 1u].w > 0.5 && distance < keptDistance(u, root_distance, 0.0) - reach);
+  place(position.xyz, hair_vertices[at + 1u].w >= 0.0 && distance < keptDistance(u, root_distance, 0.0) - reach);
   gl_PointSize = size;
 #endif
 }

@@ -1,0 +1,325 @@
+// Bound hairs as shaders grow them, against double precision (groom/bound_growth.h), and pictures of them.
+#include "groom/bound_growth.h"
+
+#include <algorithm>
+#include <limits>
+#include <random>
+
+#include "core/error.h"
+#include "groom/groom.h"
+#include "groom/groom_operations.h"
+#include "groom/hair_binding.h"
+#include "render/bound_hairs.h"
+#include "render/hair_pass.h"
+#include "render/shader_validation.h"
+#include "tests/real_data.h"
+#include "tests/render/offscreen.h"
+
+namespace strandcast {
+namespace {
+
+constexpr int kSegments = 32;
+
+/// Curled hairs of 2 to 30 vertices on a patch of 6 cm, a metre above the origin.
+StrandSet curls(size_t hairs, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  StrandSet strands;
+  for (size_t s = 0; s < hairs; ++s) {
+    const Vec3 root(0.03f * unit(random), 1.6f, 0.03f * unit(random));
+    const float phase = 3 * unit(random), radius = 0.01f + 0.005f * unit(random);
+    std::vector<Vec3> points;
+    const size_t vertices = 2 + s % 29;
+    for (size_t i = 0; i < vertices; ++i) {
+      const float t = static_cast<float>(i) / static_cast<float>(vertices - 1), turn = 9 * t + phase;
+      points.push_back(root + Vec3(radius * (std::cos(turn) - std::cos(phase)), -0.2f * t,
+                                   radius * (std::sin(turn) - std::sin(phase))));
+    }
+    strands.append(points);
+  }
+  return strands;
+}
+
+/// Hairs bound to guides, grown by the shader.
+struct Bound {
+  Bound(StrandSet guide_set, StrandSet hairs) : guides(std::move(guide_set)), nodes(kSegments) {
+    description.hairs = std::move(hairs);
+    description.bindings = bindHairs(description.hairs, guides);
+  }
+  /// The vertices of every hair; a hair that is not drawn has none.
+  std::vector<std::vector<GrownVertex>> grow(std::span<const Vec3> positions, const Pose& head = {},
+                                             int stride = 1) {
+    nodes.setGroom(guides, true);
+    nodes.update(positions, head);
+    HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
+    pass.setHairs(boundHairs(description, guides, {}, 1e-4f), {},
+                  std::make_unique<BoundHairs>(description.hairs));
+    HairDetail detail = pass.all();
+    detail.vertex_stride = stride;
+    pass.grow(nodes, detail);
+    std::vector<std::vector<GrownVertex>> hairs(description.hairs.strands());
+    for (const GrownVertex& vertex : readBound(pass, stride))
+      hairs[pass.hairs()[vertex.hair].bound - 1].push_back(vertex);
+    return hairs;
+  }
+  /// m, largest distance of the shader's vertices from those in double precision.
+  double worst(std::span<const Vec3> positions, const Pose& head) {
+    const BoundHairReference reference(guides, positions, std::vector<Quat>(guides.strands(), head.rotation),
+                                       kSegments);
+    const auto grown = grow(positions, head);
+    double worst = 0;
+    for (size_t s = 0; s < grown.size(); ++s) {
+      const auto exact = reference.grow(description.hairs.strand(s), description.bindings[s]);
+      EXPECT_GE(grown[s].size(), exact.size());
+      for (size_t j = 0; j < std::min(exact.size(), grown[s].size()); ++j) {
+        worst = std::max(worst, (grown[s][j].position.cast<double>() - exact[j].position).norm());
+        EXPECT_LT((grown[s][j].tangent.cast<double>() - exact[j].tangent).norm(), 1e-3);
+      }
+    }
+    return worst;
+  }
+  double worstAtRest() {
+    const auto grown = grow(guides.positions);
+    double worst = 0;
+    for (size_t s = 0; s < grown.size(); ++s)
+      for (size_t j = 0; j < description.hairs.verticesOf(s); ++j)
+        worst = std::max<double>(worst, (grown[s][j].position - description.hairs.strand(s)[j]).norm());
+    return worst;
+  }
+
+  StrandSet guides;
+  HairDescription description;
+  GuideNodes nodes;
+};
+
+/// Each guide bends by up to a radian, its own way, and the head moves.
+std::vector<Vec3> bent(const StrandSet& guides, const Pose& head) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<Vec3> positions;
+  for (size_t g = 0; g < guides.strands(); ++g) {
+    const Eigen::Vector3f axis(unit(random), 0.3f * unit(random), unit(random));
+    const auto points = guides.strand(g);
+    Vec3 at = points[0];
+    for (size_t i = 0; i < points.size(); ++i) {
+      const float angle = static_cast<float>(i) / static_cast<float>(points.size());
+      if (i > 0) at += Quat(Eigen::AngleAxisf(angle, axis.normalized())) * (points[i] - points[i - 1]);
+      positions.push_back(head.apply(at));
+    }
+  }
+  return positions;
+}
+
+using BoundHairGrowth = OffscreenTest;
+
+TEST_F(BoundHairGrowth, EqualsDoublePrecisionWhereGuidesBendAndTheHeadMoves) {
+  Bound bound(curls(29, 1), curls(120, 2));
+  const Pose head{Vec3(0.1f, 0.2f, -0.3f),
+                  Quat(Eigen::AngleAxisf(0.8f, Eigen::Vector3f(1, 2, 3).normalized()))};
+  EXPECT_LT(bound.worst(bent(bound.guides, {}), {}), 2e-6);
+  EXPECT_LT(bound.worst(bent(bound.guides, head), head), 2e-6);
+}
+
+TEST_F(BoundHairGrowth, IsTheArtistsHairAtRest) {
+  EXPECT_LT(Bound(curls(29, 1), curls(120, 2)).worstAtRest(), 5e-7);
+}
+
+TEST_F(BoundHairGrowth, MovesRigidlyWithTheHead) {
+  Bound bound(curls(29, 1), curls(120, 2));
+  const Pose head{Vec3(0.3f, 0.2f, -0.4f),
+                  Quat(Eigen::AngleAxisf(2.4f, Eigen::Vector3f(1, 2, -1).normalized()))};
+  std::vector<Vec3> now;
+  for (const Vec3& p : bound.guides.positions) now.push_back(head.apply(p));
+  const auto grown = bound.grow(now, head);
+  double worst = 0;
+  for (size_t s = 0; s < grown.size(); ++s)
+    for (size_t j = 0; j < bound.description.hairs.verticesOf(s); ++j) {
+      const Eigen::Vector3d rest = bound.description.hairs.strand(s)[j].cast<double>();
+      const Eigen::Vector3d exact = head.rotation.cast<double>() * rest + head.position.cast<double>();
+      worst = std::max(worst, (grown[s][j].position.cast<double>() - exact).norm());
+    }
+  EXPECT_LT(worst, 1.5e-6);
+}
+
+TEST_F(BoundHairGrowth, LeavesVerticesOutByTheStrideButNotTips) {
+  Bound bound(curls(29, 1), curls(120, 2));
+  const auto all = bound.grow(bound.guides.positions), few = bound.grow(bound.guides.positions, {}, 4);
+  for (size_t s = 0; s < all.size(); ++s) {
+    const size_t vertices = bound.description.hairs.verticesOf(s);
+    ASSERT_EQ(few[s].size(), 9u);  // 30 vertices, the most, are 29 segments
+    for (size_t i = 0; i < few[s].size(); ++i)
+      EXPECT_EQ(few[s][i].position, all[s][std::min(4 * i, vertices - 1)].position);
+    EXPECT_EQ(few[s].back().position, all[s][vertices - 1].position);
+  }
+}
+
+TEST_F(BoundHairGrowth, HidesTheHairsOfAGuideThatIsNotFinite) {
+  StrandSet hairs = curls(40, 3);
+  hairs.append(std::vector<Vec3>{Vec3(0, 1.6f, 0)});  // one vertex
+  Bound bound(curls(5, 1), hairs);
+  std::vector<Vec3> now = bound.guides.positions;
+  now[bound.guides.offsets[2] + 1].y() = std::numeric_limits<float>::quiet_NaN();
+  bound.nodes.setGroom(bound.guides, true);
+  EXPECT_EQ(bound.nodes.update(now, {}), 1u);
+  HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
+  pass.setHairs(boundHairs(bound.description, bound.guides, {}, 1e-4f), {},
+                std::make_unique<BoundHairs>(bound.description.hairs));
+  pass.grow(bound.nodes, pass.all());
+  const HairVertices& grown = pass.boundVertices();
+  std::vector<float> numbers(grown.hairs() * static_cast<size_t>(grown.nodesPerHair()) * 8);
+  glGetNamedBufferSubData(grown.chunks()[0].vertices.id(), 0,
+                          static_cast<GLsizeiptr>(numbers.size() * sizeof(float)), numbers.data());
+  size_t hidden = 0;
+  for (size_t i = 0; i < grown.hairs(); ++i) {
+    const Hair& hair = pass.hairs()[i];
+    const float* root = &numbers[i * static_cast<size_t>(grown.nodesPerHair()) * 8];
+    const bool follows = std::ranges::count(hair.guides, 2u) > 0;
+    EXPECT_EQ(root[7] < 0, follows);
+    hidden += follows;
+    if (!follows) {
+      EXPECT_LT((Vec3(root[0], root[1], root[2]) - hairs.strand(hair.bound - 1)[0]).norm(), 1e-6f);
+    }
+  }
+  EXPECT_GT(hidden, 5u);
+  EXPECT_LT(hidden, 41u);
+}
+
+TEST_F(BoundHairGrowth, TakesWidthsColoursAndDifferencesFromTheArtist) {
+  Bound bound(curls(9, 1), curls(3, 2));
+  HairDescription& d = bound.description;
+  const std::vector<Hair> plain = boundHairs(d, bound.guides, {}, 2e-4f);
+  for (const Hair& hair : plain) {
+    EXPECT_EQ(hair.width, 1);
+    EXPECT_EQ(hair.color, 0u);
+    EXPECT_GT(hair.reach, 0);
+  }
+  EXPECT_NE(plain[0].shade, plain[1].shade);
+  d.ids = {7, 7, 9};
+  d.colours = {{255, 0, 0}, {1, 2, 3}, {0, 0, 0}};
+  d.hairs.radii.assign(d.hairs.vertices(), 5e-5f);
+  d.hairs.radii[0] = 2e-4f;
+  std::fill(d.hairs.radii.begin() + d.hairs.offsets[2], d.hairs.radii.end(), 0.0f);
+  const std::vector<Hair> given = boundHairs(d, bound.guides, {}, 2e-4f);
+  ASSERT_EQ(given.size(), 2u) << "a hair without a width is not drawn";
+  EXPECT_FLOAT_EQ(given[0].width, 2);
+  EXPECT_FLOAT_EQ(given[1].width, 0.5f);
+  EXPECT_EQ(given[0].color, 0x010000ffu);
+  EXPECT_EQ(given[1].color, 0x01030201u);
+  EXPECT_EQ(given[0].first_sample, given[1].first_sample) << "the same id";
+  EXPECT_EQ(given[0].shade, 0);
+}
+
+TEST_F(BoundHairGrowth, IsTheArtistsHairAtRestOnRealGrooms) {
+  const std::filesystem::path data = dataFolder();
+  if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no real data at " << data;
+  std::vector<std::filesystem::path> tail;
+  for (const char* part : {"tail", "side", "front_top", "back"})
+    tail.push_back(data / "ponytail" / (std::string(part) + ".tfx"));
+  for (const auto& files : {tail, {data / "sintel" / "sintel_hair_16pts.tfx"}}) {
+    const Groom groom = loadGroom(files, {files.size() > 1 ? 0.0025f : 1.0f, UpAxis::kAuto});
+    const StrandSet guides = subset(groom.strands, chooseGuides(groom.strands, groom.strands.strands() / 20));
+    Bound bound(guides, groom.strands);
+    EXPECT_LT(bound.worstAtRest(), 1e-6) << files[0];
+    EXPECT_LT(bound.worst(bent(guides, {}), {}), 4e-6) << files[0];
+  }
+}
+
+TEST(HairGrowthOfSeeds, LeavesOutGuidesThatOnlyCarryBoundHairs) {
+  const GroomDescription groom = verticalBundle(6, 6, 0.01f, 0.1f, 0.2f, 4);
+  std::vector<uint8_t> seeded(36, 1);
+  std::fill(seeded.begin(), seeded.begin() + 18, 0);
+  const std::vector<Hair> hairs = growHairs(groom.guides, {.hairs = 500}, seeded);
+  EXPECT_EQ(hairs.size(), 500u);
+  for (const Hair& hair : hairs)
+    for (const uint32_t guide : hair.guides) EXPECT_GE(guide, 18u);
+  std::fill(seeded.begin(), seeded.end(), 0);
+  EXPECT_TRUE(growHairs(groom.guides, {.hairs = 500}, seeded).empty());
+}
+
+/// Every guide of a bundle as a bound hair, red, without hair from the seed.
+class BoundPicture : public OffscreenTest {
+ protected:
+  BoundPicture() {
+    settings_ = smallPicture();
+    settings_.growth.hairs = 0;
+    settings_.hair_color = Vec3(0.02f, 0.02f, 0.02f);
+    settings_.hair_width = 1e-3f;
+    hairs_.hairs = groom_.guides;
+    hairs_.bindings = bindHairs(hairs_.hairs, groom_.guides);
+    hairs_.colours.assign(groom_.guides.strands(), {200, 20, 10});
+    camera_ = orbit(box(), 0.4f, 0.1f, 1);
+  }
+  Box box() const {
+    Box box;
+    for (const Vec3& p : groom_.guides.positions) box.extend(Eigen::Vector3f(p));
+    return box;
+  }
+  /// Mean excess of red over blue, linear.
+  double red(Renderer& renderer) {
+    renderer.draw(restFrame(groom_), camera_);
+    const Image image = renderer.read();
+    double sum = 0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        sum += std::max(linearValue(image, x, y, 0) - linearValue(image, x, y, 2), 0.0);
+    return sum / (image.width * image.height);
+  }
+
+  GroomDescription groom_ = verticalBundle(8, 8, 0.01f, 0.1f, 0.2f, 6);
+  HairDescription hairs_;
+  RenderSettings settings_;
+  Camera camera_;
+};
+
+TEST_F(BoundPicture, HasTheArtistsColoursOnEveryPath) {
+  for (const GrowthPath path : {GrowthPath::kCompute, GrowthPath::kTessellator})
+    for (const HairShading shading : {HairShading::kVertex, HairShading::kFragment}) {
+      settings_.growth_path = path;
+      settings_.shading = shading;
+      Renderer renderer(settings_);
+      renderer.setGroom(groom_);
+      EXPECT_LT(red(renderer), 0.001);
+      renderer.setHairs(hairs_);
+      EXPECT_GT(red(renderer), 0.01);
+      EXPECT_EQ(renderer.statistics().hairs_bound, 64u);
+      EXPECT_EQ(renderer.statistics().hairs_drawn, 64u);
+      renderer.setHairs({});
+      EXPECT_LT(red(renderer), 0.001);
+    }
+}
+
+TEST_F(BoundPicture, HasBothKindsOfHairAndForgetsBoundHairsWithTheGroom) {
+  settings_.growth.hairs = 300;
+  Renderer renderer(settings_);
+  renderer.setGroom(groom_);
+  const double without = red(renderer);
+  renderer.setHairs(hairs_);
+  EXPECT_GT(red(renderer), without + 0.005);
+  EXPECT_EQ(renderer.statistics().hairs_grown, 364u);
+  renderer.setGroom(groom_);
+  EXPECT_EQ(red(renderer), without);
+  EXPECT_EQ(renderer.statistics().hairs_bound, 0u);
+}
+
+TEST_F(BoundPicture, RadiiCountInsteadOfTheWidthOfTheSettings) {
+  Renderer renderer(settings_);
+  renderer.setGroom(groom_);
+  renderer.setHairs(hairs_);
+  const double before = red(renderer);
+  hairs_.hairs.radii.assign(hairs_.hairs.vertices(), 1e-3f);
+  renderer.setHairs(hairs_);
+  const double wide = red(renderer);
+  EXPECT_GT(wide, 1.5 * before);
+  settings_.hair_width = 1e-4f;
+  renderer.setSettings(settings_);
+  EXPECT_NEAR(red(renderer), wide, 0.02 * wide);
+}
+
+TEST_F(BoundPicture, RefusesHairsOfAnotherGroom) {
+  Renderer renderer(settings_);
+  renderer.setGroom(verticalBundle(2, 2, 0.01f, 0.1f, 0.2f, 6));
+  EXPECT_THROW(renderer.setHairs(hairs_), Error);
+}
+
+}  // namespace
+}  // namespace strandcast
