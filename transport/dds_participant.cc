@@ -22,6 +22,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -33,8 +34,11 @@
 namespace strandcast {
 namespace {
 
-// Fast DDS 2.9.1 names ports so. Its reader holds the file with the suffix kLock locked during its lifetime.
-constexpr std::string_view kPort = "fastrtps_port";
+// Fast DDS 2.9.1 names ports and segments so. Their user holds the file with the suffix kLock locked during
+// its lifetime.
+constexpr std::string_view kPort = "fastrtps_port", kSegment = "fastrtps_";
+constexpr size_t kSegmentDigits = 16;     // hexadecimal
+constexpr int kSegmentStartSeconds = 10;  // within which its program locks a new segment
 constexpr const char* kLock = "_el";
 constexpr int kFirstPort = 7400, kPortsPerDomain = 250;
 
@@ -47,9 +51,14 @@ bool isPortOf(const std::string& name, int domain) {
   return failure == std::errc() && rest == end && port >= first && port < first + kPortsPerDomain;
 }
 
-/// Whether a live program holds the port: one left by a killed program is not locked.
-bool isHeld(const std::filesystem::path& port) {
-  const int file = open((port.string() + kLock).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+bool isSegment(const std::string& name) {
+  return name.size() == kSegment.size() + kSegmentDigits && name.starts_with(kSegment) &&
+         name.find_first_not_of("0123456789abcdef", kSegment.size()) == std::string::npos;
+}
+
+/// Whether a live program holds the port or segment: one left by a killed program is not locked.
+bool isHeld(const std::filesystem::path& held) {
+  const int file = open((held.string() + kLock).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (file < 0) return errno != ENOENT;
   const bool is_held = flock(file, LOCK_SH | LOCK_NB) != 0;
   close(file);
@@ -67,6 +76,21 @@ bool anotherUserSharesMemory(int domain, uid_t own, const std::filesystem::path&
       return true;
   }
   return false;
+}
+
+size_t removeDeadSegments(uid_t own, const std::filesystem::path& folder) {
+  size_t removed = 0;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator i(folder, failed), end; !failed && i != end; i.increment(failed)) {
+    const std::filesystem::path& path = i->path();
+    struct stat about {};
+    if (!isSegment(path.filename().string()) || lstat(path.c_str(), &about) != 0 || !S_ISREG(about.st_mode) ||
+        about.st_uid != own || std::time(nullptr) - about.st_ctime < kSegmentStartSeconds || isHeld(path))
+      continue;
+    if (unlink(path.c_str()) == 0) ++removed;
+    unlink((path.string() + kLock).c_str());
+  }
+  return removed;
 }
 
 namespace dds = eprosima::fastdds::dds;
@@ -344,6 +368,9 @@ DdsNetwork::DdsNetwork(const DdsOptions& options)
                  domain);
     uses_shared_memory = false;
   }
+  if (!uses_shared_memory) return;
+  if (const size_t dead = removeDeadSegments(geteuid()); dead > 0)
+    spdlog::info("{} segments of shared memory of killed programs removed", dead);
 }
 
 DdsParticipant::DdsParticipant(const DdsNetwork& network, uint32_t groom_id,

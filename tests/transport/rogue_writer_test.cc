@@ -175,6 +175,31 @@ TEST(SharedMemoryUsers, AreThoseThatHoldAPortOfTheDomain) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(DeadSegments, AreRemovedWhereNoProgramHoldsThem) {
+  std::string name = (std::filesystem::temp_directory_path() / "strandcast-shm-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  const std::filesystem::path folder = name, dead = folder / "fastrtps_0123456789abcdef",
+                              live = folder / "fastrtps_fedcba9876543210",
+                              port = folder / "fastrtps_port8160",
+                              foreign = folder / "fastrtps_0123456789abcdeg";
+  for (const auto& file : {dead, live, port, foreign}) {
+    std::ofstream(file) << 'x';
+    std::ofstream(file.string() + "_el") << "";
+  }
+  EXPECT_EQ(removeDeadSegments(geteuid(), folder), 0u) << "new ones may not be locked yet";
+  const int held = open((live.string() + "_el").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(flock(held, LOCK_EX), 0);
+  std::this_thread::sleep_for(std::chrono::seconds(11));
+  EXPECT_EQ(removeDeadSegments(geteuid() + 1, folder), 0u) << "of another user";
+  EXPECT_EQ(removeDeadSegments(geteuid(), folder / "absent"), 0u);
+  EXPECT_EQ(removeDeadSegments(geteuid(), folder), 1u);
+  EXPECT_FALSE(std::filesystem::exists(dead));
+  EXPECT_FALSE(std::filesystem::exists(dead.string() + "_el"));
+  for (const auto& file : {live, port, foreign}) EXPECT_TRUE(std::filesystem::exists(file)) << file;
+  close(held);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Neighbours, TheStrengthOfAClaimIsKnown) {
   const int domain = testDomain(19);
   DdsNeighbours neighbours;
