@@ -209,7 +209,7 @@ class Viewer {
       const StreamScene now = StreamScene::of(session_->subscriber());
       if (!now.fits(*frame)) return;
       scene_ = now;
-      setScene(renderer_, *scene_.groom, *scene_.body);
+      setScene(renderer_, *scene_.groom, *scene_.body, scene_.hairs.get());
       panel_.setFields({});
       obstacles_set_ = false;
       frameScene();
