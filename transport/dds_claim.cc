@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "transport/dds_type.h"
+
 namespace strandcast {
 namespace {
 constexpr std::chrono::milliseconds kClaimPeriod{40};
@@ -20,12 +22,12 @@ DdsClaim::DdsClaim(uint32_t groom_id, uint64_t session, uint32_t strength, const
       strength_(strength),
       neighbours_(neighbours),
       listener_(
-          [this](v6::Claim& claim, const auto& writer) {
-            if (claim.groom_id() != groom_id_) return;
+          [this](const Claim& claim, const auto& writer) {
+            if (claim.groom_id != groom_id_) return;
             heard_ = Clock::now();
             holder_is_equal_ = neighbours_.strengthOf(prefixOf(writer)) == strength_;
-            if (holder_.exchange(claim.session()) == claim.session()) return;
-            if (claim.session() == session_) ++turns_;
+            if (holder_.exchange(claim.session) == claim.session) return;
+            if (claim.session == session_) ++turns_;
           },
           {.found =
                [this](const auto& writer) {
@@ -78,8 +80,8 @@ bool DdsClaim::isOfClaimant(const StatusBoard::WriterId& writer) const {
 void DdsClaim::join(DdsParticipant& participant, std::chrono::milliseconds settle_time) {
   joined_ = Clock::now();
   settle_time_ = settle_time;
-  participant.createReader(kClaimTopic, new ClaimType, &listener_);
-  writer_ = participant.createWriter(kClaimTopic, new ClaimType, nullptr, strength_);
+  participant.createReader(kClaimTopic, new WireType<Claim>, &listener_);
+  writer_ = participant.createWriter(kClaimTopic, new WireType<Claim>, nullptr, strength_);
 }
 
 void DdsClaim::claim() {
@@ -122,9 +124,7 @@ void DdsClaim::rejoin() {
 }
 
 void DdsClaim::write() {
-  v6::Claim sample;
-  sample.groom_id(groom_id_);
-  sample.session(session_);
+  Claim sample{session_, groom_id_};
   std::unique_lock lock(mutex_);
   do {
     if (isLate()) stalled_ = true;

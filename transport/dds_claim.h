@@ -8,7 +8,7 @@
 
 #include "transport/dds_neighbours.h"
 #include "transport/dds_participant.h"
-#include "transport/wire_types.h"
+#include "transport/wire_fields.h"
 
 namespace strandcast {
 
@@ -69,7 +69,7 @@ class DdsClaim {
   mutable std::mutex writers_mutex_;
   // Writers of claims, and when each was matched
   std::map<DdsNeighbours::Prefix, Clock::time_point> writers_;
-  SampleListener<v6::Claim> listener_;
+  SampleListener<Claim> listener_;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   std::mutex mutex_;
   std::condition_variable wake_;

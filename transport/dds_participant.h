@@ -107,11 +107,11 @@ struct WriterHandlers {
 };
 
 /// Takes every sample on arrival, in Fast DDS's thread, and passes it to a handler.
-template <class Wire>
+template <class Message>
 class SampleListener final : public eprosima::fastdds::dds::DataReaderListener {
  public:
-  using Handler = std::function<void(Wire& sample, const StatusBoard::WriterId& writer)>;
-  /// `handler` may swap the sample's arrays. The callbacks of `writers` may be empty. Several threads may
+  using Handler = std::function<void(Message& sample, const StatusBoard::WriterId& writer)>;
+  /// `handler` may move the sample. The callbacks of `writers` may be empty. Several threads may
   /// call all of them at once: they must lock shared state, and must not call DDS while they hold a lock.
   explicit SampleListener(Handler handler, WriterHandlers writers = {})
       : handler_(std::move(handler)), writers_(std::move(writers)) {}
@@ -120,7 +120,7 @@ class SampleListener final : public eprosima::fastdds::dds::DataReaderListener {
     // Writers of this process deliver in their own threads, possibly several at once and with the reader's
     // mutex locked. A lock around the reader's calls could deadlock with it. Each thread has its own sample
     // instead.
-    thread_local Wire sample;
+    thread_local Message sample;
     eprosima::fastdds::dds::SampleInfo info;
     while (reader->take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       const StatusBoard::WriterId writer = writerId(info.publication_handle);

@@ -10,7 +10,7 @@
 #include "transport/dds.h"
 #include "transport/dds_claim.h"
 #include "transport/dds_participant.h"
-#include "transport/wire_types.h"
+#include "transport/dds_type.h"
 
 namespace strandcast {
 namespace {
@@ -33,27 +33,27 @@ class DdsPublisher final : public Publisher {
   explicit DdsPublisher(const DdsOptions& options)
       : options_(options),
         announced_(options.groom_id, options.session, options.codec),
-        command_listener_([this](v6::Command& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v6::Status& wire, const auto& writer) { receive(wire, writer); },
+        command_listener_([this](Command& command, const auto&) { receive(command); }),
+        status_listener_([this](Status& status, const auto& writer) { receive(status, writer); },
                          {.left = [this](const auto& writer) { others_.remove(writer); },
                           .disposed = [this](const auto& writer) { others_.remove(writer); }}),
-        show_listener_([this](v6::ShowChunk& wire, const auto&) { receive(wire); }),
+        show_listener_([this](ShowChunk& chunk, const auto&) { receive(chunk); }),
         state_shows_(options.groom_id, ShowChunk::kState),
         hair_shows_(options.groom_id, ShowChunk::kStateAndHair),
         participant_(DdsNetwork(options), options.groom_id,
                      DdsRole{true, options.groom_id, options.claim.has_value()}, &neighbours_) {
     // Before the reader of statuses, whose thread uses it.
     if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim, neighbours_);
-    participant_.createReader(kStatusTopic, new StatusType, &status_listener_);
-    participant_.createReader(kCommandTopic, new CommandType, &command_listener_);
-    status_writer_ = participant_.createWriter(kStatusTopic, new StatusType, nullptr);
-    groom_writer_ = participant_.createWriter(kGroomTopic, new GroomChunkType, nullptr);
-    body_writer_ = participant_.createWriter(kBodiesTopic, new BodyChunkType, nullptr);
-    collider_writer_ = participant_.createWriter(kCollidersTopic, new ColliderChunkType, nullptr);
-    guide_writer_ = participant_.createWriter(kGuidesTopic, new GuideChunkType, &readers_);
+    participant_.createReader(kStatusTopic, new WireType<Status>, &status_listener_);
+    participant_.createReader(kCommandTopic, new WireType<Command>, &command_listener_);
+    status_writer_ = participant_.createWriter(kStatusTopic, new WireType<Status>, nullptr);
+    groom_writer_ = participant_.createWriter(kGroomTopic, new WireType<GroomChunk>, nullptr);
+    body_writer_ = participant_.createWriter(kBodiesTopic, new WireType<BodyChunk>, nullptr);
+    collider_writer_ = participant_.createWriter(kCollidersTopic, new WireType<ColliderChunk>, nullptr);
+    guide_writer_ = participant_.createWriter(kGuidesTopic, new WireType<GuideChunk>, &readers_);
     if (options.claim) {
-      relay_ = participant_.createWriterIfPermitted(kCommandTopic, new CommandType, nullptr);
-      show_writer_ = participant_.createWriter(kShowTopic, new ShowChunkType, &sharers_);
+      relay_ = participant_.createWriterIfPermitted(kCommandTopic, new WireType<Command>, nullptr);
+      show_writer_ = participant_.createWriter(kShowTopic, new WireType<ShowChunk>, &sharers_);
       claim_->join(participant_, options.keys.empty() ? kSettleTime : kSecureConflictListenTime);
     }
     publishStatus({});  // so that rivals learn of this session at once
@@ -86,24 +86,14 @@ class DdsPublisher final : public Publisher {
     if (claim_) claim_->claim();
     if (claim_ && !updateOwnership()) return;
     sendHair();
-    announced_.divide(frame, [this](GuideChunk& chunk) {
-      toWire(chunk, guide_sample_);
-      guide_writer_->write(&guide_sample_);
-      // Swap back, to reuse the memory for the next chunk.
-      std::swap(guide_sample_.colliders(), chunk.colliders);
-      std::swap(guide_sample_.collider_poses(), chunk.collider_poses);
-      std::swap(guide_sample_.bent_colliders(), chunk.bent_colliders);
-      std::swap(guide_sample_.collider_bends(), chunk.collider_bends);
-      std::swap(guide_sample_.payload(), chunk.payload);
-    });
+    announced_.divide(frame, [this](GuideChunk& chunk) { guide_writer_->write(&chunk); });
   }
 
   void publishStatus(const Status& status) override {
     if (claim_ && claim_->turn() == 0) return;
-    v6::Status sample;
-    toWire(status, sample);
-    sample.groom_id(options_.groom_id);
-    sample.session(options_.session);
+    Status sample = status;
+    sample.groom_id = options_.groom_id;
+    sample.session = options_.session;
     status_writer_->write(&sample);
     has_status_ = true;
   }
@@ -111,11 +101,7 @@ class DdsPublisher final : public Publisher {
   std::optional<Command> takeCommand() override {
     std::optional<Command> command = commands_.take();
     // The sender may have discovered only this daemon, and may end before the others discover it.
-    if (command && claim_ && claim_->turn() != 0 && relay_ != nullptr) {
-      v6::Command sample;
-      toWire(*command, sample);
-      relay_->write(&sample);
-    }
+    if (command && claim_ && claim_->turn() != 0 && relay_ != nullptr) relay_->write(&*command);
     return command;
   }
 
@@ -162,14 +148,14 @@ class DdsPublisher final : public Publisher {
       waiting_hair_.assign(std::make_move_iterator(chunks.begin()), std::make_move_iterator(chunks.end()));
       return;
     }
-    for (ShowChunk& chunk : chunks) write(chunk);
+    for (ShowChunk& chunk : chunks) show_writer_->write(&chunk);
   }
 
   std::optional<Show> takeShow() override {
     // Not earlier: the casting daemon sends the hair to a new reader at once, and it would be outdated by the
     // time the scene is loaded.
     if (!std::exchange(reads_shows_, true))
-      participant_.createReader(kShowTopic, new ShowChunkType, &show_listener_);
+      participant_.createReader(kShowTopic, new WireType<ShowChunk>, &show_listener_);
     const std::lock_guard lock(show_mutex_);
     for (std::optional<Show>* const newest : {&newest_hair_, &newest_state_}) {
       if (!*newest) continue;
@@ -207,27 +193,21 @@ class DdsPublisher final : public Publisher {
            neighbours_.hasDaemonWithoutWriters(options_.groom_id, time);
   }
 
-  void write(ShowChunk& chunk) {
-    v6::ShowChunk sample;
-    toWire(chunk, sample);
-    show_writer_->write(&sample);
-  }
-
   /// Sends some of the waiting chunks. All at once would overflow the readers' sockets and delay the frame.
   void sendHair() {
     for (int sent = 0; sent < kHairChunksPerFrame && !waiting_hair_.empty(); ++sent) {
-      write(waiting_hair_.front());
+      show_writer_->write(&waiting_hair_.front());
       waiting_hair_.pop_front();
     }
   }
 
   void write(AnnouncedGroom::Chunks chunks) {
-    groom_chunks_ = replace<v6::GroomChunk>(*groom_writer_, std::move(chunks.groom), groom_chunks_);
-    body_chunks_ = replace<v6::BodyChunk>(*body_writer_, std::move(chunks.body), body_chunks_);
+    groom_chunks_ = replace(*groom_writer_, std::move(chunks.groom), groom_chunks_);
+    body_chunks_ = replace(*body_writer_, std::move(chunks.body), body_chunks_);
   }
 
   void write(std::vector<ColliderChunk> chunks) {
-    collider_chunks_ = replace<v6::ColliderChunk>(*collider_writer_, std::move(chunks), collider_chunks_);
+    collider_chunks_ = replace(*collider_writer_, std::move(chunks), collider_chunks_);
   }
 
   /// Whether this daemon holds the claim. On a change, announces or withdraws the groom: late joiners must
@@ -245,57 +225,48 @@ class DdsPublisher final : public Publisher {
 
   /// Disposes of the status, so that readers forget this daemon and late joiners do not get its last status.
   void withdrawStatus() {
-    v6::Status sample;
-    sample.groom_id(options_.groom_id);
-    sample.session(options_.session);
+    Status sample;
+    sample.groom_id = options_.groom_id;
+    sample.session = options_.session;
     status_writer_->dispose(&sample, eprosima::fastrtps::rtps::InstanceHandle_t());
     has_status_ = false;
   }
 
   /// Writes all chunks and disposes of surplus ones of the last announcement, so that late joiners do not get
   /// chunks of two revisions. Returns the number of chunks.
-  template <class Wire, class Chunk>
+  template <class Chunk>
   uint32_t replace(dds::DataWriter& writer, std::vector<Chunk> chunks, uint32_t count_before) {
-    Wire sample;
     for (Chunk& chunk : chunks) {
-      toWire(chunk, sample);
-      if (!writer.write(&sample)) {
+      if (!writer.write(&chunk)) {
         throw Error("the groom's description cannot be written",
                     "DDS domain " + std::to_string(options_.domain), "see the messages of Fast DDS above");
       }
     }
     const auto count = static_cast<uint32_t>(chunks.size());
+    Chunk sample;
+    sample.groom_id = options_.groom_id;
     for (uint32_t index = count; index < count_before; ++index) {
-      sample.groom_id(options_.groom_id);
-      sample.chunk_index(index);
+      sample.chunk_index = index;
       writer.dispose(&sample, eprosima::fastrtps::rtps::InstanceHandle_t());
     }
     return count;
   }
 
-  void receive(const v6::Command& wire) {
-    Command command;
-    fromWire(wire, command);
-    if (command.groom_id != options_.groom_id || wire.name().size() > kMaxTextBytes || !isSound(command))
-      return;
-    commands_.push(std::move(command));
+  void receive(Command& command) {
+    if (command.groom_id == options_.groom_id && isSound(command)) commands_.push(std::move(command));
   }
 
-  void receive(v6::ShowChunk& wire) {
-    if (wire.session() == options_.session) return;
-    ShowChunk chunk;
-    fromWire(wire, chunk);
+  void receive(ShowChunk& chunk) {
+    if (chunk.session == options_.session) return;
     const std::lock_guard lock(show_mutex_);
     const bool has_hair = chunk.part == ShowChunk::kStateAndHair;
     std::optional<Show> show = (has_hair ? hair_shows_ : state_shows_).add(std::move(chunk));
     if (show) (has_hair ? newest_hair_ : newest_state_) = std::move(show);
   }
 
-  void receive(const v6::Status& wire, const StatusBoard::WriterId& writer) {
-    if (wire.groom_id() != options_.groom_id || wire.session() == options_.session) return;
-    Status status;
-    fromWire(wire, status);
-    others_.post(writer, std::move(status));
+  void receive(Status& status, const StatusBoard::WriterId& writer) {
+    if (status.groom_id == options_.groom_id && status.session != options_.session)
+      others_.post(writer, std::move(status));
   }
 
   const DdsOptions options_;
@@ -307,14 +278,13 @@ class DdsPublisher final : public Publisher {
   std::vector<ColliderChunk> shared_colliders_;
   uint64_t announced_turn_ = 0;  // DdsClaim::turn() of the last announcement
   bool has_status_ = false;      // whether readers have a status of this session
-  v6::GuideChunk guide_sample_;
   // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter readers_;
-  SampleListener<v6::Command> command_listener_;
-  SampleListener<v6::Status> status_listener_;
+  SampleListener<Command> command_listener_;
+  SampleListener<Status> status_listener_;
   MatchCounter sharers_;
   std::mutex show_mutex_;  // guards the shows received
-  SampleListener<v6::ShowChunk> show_listener_;
+  SampleListener<ShowChunk> show_listener_;
   ShowAssembler state_shows_, hair_shows_;
   std::optional<Show> newest_state_, newest_hair_;
   std::deque<ShowChunk> waiting_hair_;

@@ -13,8 +13,8 @@
 #include "transport/chunks.h"
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
+#include "transport/dds_type.h"
 #include "transport/receiving_subscriber.h"
-#include "transport/wire_types.h"
 
 namespace strandcast {
 namespace {
@@ -37,11 +37,11 @@ class DdsSubscriber final : public ReceivingSubscriber {
   explicit DdsSubscriber(const DdsOptions& options)
       : ReceivingSubscriber(options.groom_id, options.profile == DdsProfile::kBestEffort),
         options_(options),
-        groom_listener_([this](v6::GroomChunk& wire, const auto&) { receive(wire); }),
-        body_listener_([this](v6::BodyChunk& wire, const auto&) { receive(wire); }),
-        collider_listener_([this](v6::ColliderChunk& wire, const auto&) { receive(wire); }),
-        guide_listener_([this](v6::GuideChunk& wire, const auto&) { receive(wire); }),
-        status_listener_([this](v6::Status& wire, const auto& writer) { receive(wire, writer); },
+        groom_listener_([this](GroomChunk& chunk, const auto&) { receive(std::move(chunk)); }),
+        body_listener_([this](BodyChunk& chunk, const auto&) { receive(std::move(chunk)); }),
+        collider_listener_([this](ColliderChunk& chunk, const auto&) { receive(std::move(chunk)); }),
+        guide_listener_([this](GuideChunk& chunk, const auto&) { takeGuides(chunk); }),
+        status_listener_([this](Status& status, const auto& writer) { receive(std::move(status), writer); },
                          {.left = [this](const auto& writer) { statuses_.remove(writer); },
                           .disposed = [this](const auto& writer) { statuses_.remove(writer); }}) {
     DdsNetwork network(options);
@@ -85,9 +85,8 @@ class DdsSubscriber final : public ReceivingSubscriber {
          std::this_thread::sleep_for(std::chrono::milliseconds(5)))
       if (!may_come()) throw Error("no daemon answers", where, noAnswerRemedy());
     const std::lock_guard lock(send_mutex_);
-    v6::Command sample;
-    toWire(command, sample);
-    sample.groom_id(options_.groom_id);
+    Command sample = command;
+    sample.groom_id = options_.groom_id;
     if (!command_writer_ || !command_writer_->write(&sample))
       throw Error("the command cannot be written", where, noAnswerRemedy());
     // Waits, so that a program may end right after the call.
@@ -101,14 +100,14 @@ class DdsSubscriber final : public ReceivingSubscriber {
   void join(const DdsNetwork& network) {
     participant_.emplace(network, options_.groom_id, DdsRole{false, options_.groom_id, false}, &neighbours_);
     if (options_.frames) {
-      participant_->createReader(kGroomTopic, new GroomChunkType, &groom_listener_);
-      participant_->createReader(kBodiesTopic, new BodyChunkType, &body_listener_);
-      participant_->createReader(kCollidersTopic, new ColliderChunkType, &collider_listener_);
-      participant_->createReader(kGuidesTopic, new GuideChunkType, &guide_listener_,
+      participant_->createReader(kGroomTopic, new WireType<GroomChunk>, &groom_listener_);
+      participant_->createReader(kBodiesTopic, new WireType<BodyChunk>, &body_listener_);
+      participant_->createReader(kCollidersTopic, new WireType<ColliderChunk>, &collider_listener_);
+      participant_->createReader(kGuidesTopic, new WireType<GuideChunk>, &guide_listener_,
                                  options_.profile != DdsProfile::kBestEffort);
     }
-    participant_->createReader(kStatusTopic, new StatusType, &status_listener_);
-    command_writer_ = participant_->createWriterIfPermitted(kCommandTopic, new CommandType, &daemons_);
+    participant_->createReader(kStatusTopic, new WireType<Status>, &status_listener_);
+    command_writer_ = participant_->createWriterIfPermitted(kCommandTopic, new WireType<Command>, &daemons_);
   }
 
   std::string noAnswerRemedy() const {
@@ -166,37 +165,12 @@ class DdsSubscriber final : public ReceivingSubscriber {
     }
   }
 
-  using ReceivingSubscriber::receive;
-  void receive(v6::GroomChunk& wire) {
-    GroomChunk chunk;
-    fromWire(wire, chunk);
-    receive(std::move(chunk));
-  }
-
-  void receive(v6::BodyChunk& wire) {
-    BodyChunk chunk;
-    fromWire(wire, chunk);
-    receive(std::move(chunk));
-  }
-
-  void receive(v6::ColliderChunk& wire) {
-    ColliderChunk chunk;
-    fromWire(wire, chunk);
-    receive(std::move(chunk));
-  }
-
-  void receive(v6::GuideChunk& wire) {
+  void takeGuides(GuideChunk& received) {
     ++chunks_;
     receiveGuides([&](GuideChunk& chunk) {
-      fromWire(wire, chunk);
+      std::swap(chunk, received);  // both keep their memory
       return true;
     });
-  }
-
-  void receive(const v6::Status& wire, const StatusBoard::WriterId& writer) {
-    Status status;
-    fromWire(wire, status);
-    receive(std::move(status), writer);
   }
 
   const DdsOptions options_;
@@ -205,11 +179,11 @@ class DdsSubscriber final : public ReceivingSubscriber {
   // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter daemons_;
   DdsNeighbours neighbours_;
-  SampleListener<v6::GroomChunk> groom_listener_;
-  SampleListener<v6::BodyChunk> body_listener_;
-  SampleListener<v6::ColliderChunk> collider_listener_;
-  SampleListener<v6::GuideChunk> guide_listener_;
-  SampleListener<v6::Status> status_listener_;
+  SampleListener<GroomChunk> groom_listener_;
+  SampleListener<BodyChunk> body_listener_;
+  SampleListener<ColliderChunk> collider_listener_;
+  SampleListener<GuideChunk> guide_listener_;
+  SampleListener<Status> status_listener_;
   std::optional<DdsParticipant> participant_;
   dds::DataWriter* command_writer_ = nullptr;
 

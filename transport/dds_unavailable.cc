@@ -5,8 +5,7 @@
 namespace strandcast {
 namespace {
 
-const char* const kReason =
-    "built without Fast DDS (libfastrtps-dev, libfastcdr-dev or fastddsgen was missing)";
+const char* const kReason = "built without Fast DDS (libfastrtps-dev or libfastcdr-dev was missing)";
 
 [[noreturn]] void refuse() {
   throw Error("DDS is not available", kReason, "install the packages and build again");

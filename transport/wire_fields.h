@@ -183,7 +183,7 @@ void fields(Visitor& v, auto& m, std::type_identity<Command>) {
   v.number("id", m.id);
   v.key("groom_id", m.groom_id);
   v.number("kind", m.kind);
-  v.text("name", m.name, kMaxTextBytes);
+  v.text("name", m.name, kMaxTextBytes + 1);  // a longer one is not cut to another name: isSound() refuses it
   v.array("values", m.values, kMaxCommandValues);
 }
 

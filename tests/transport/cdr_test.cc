@@ -93,10 +93,11 @@ TEST(Cdr, HugeLengthsAreRefusedBeforeAnythingIsAllocated) {
 
 TEST(Cdr, LongTextsAreCutAndLongArraysRefused) {
   Command command = fullMessage<Command>(), back;
-  command.name = std::string(kMaxTextBytes + 1, 'n');
+  command.name = std::string(kMaxTextBytes + 2, 'n');
   command.values.resize(kMaxCommandValues);
   ASSERT_TRUE(readCdr(std::span<const uint8_t>(cdrOf(command)), back));
-  EXPECT_EQ(back.name, std::string(kMaxTextBytes, 'n'));
+  EXPECT_EQ(back.name, std::string(kMaxTextBytes + 1, 'n'));
+  EXPECT_FALSE(isSound(back)) << "it is refused, not obeyed under another name";
   EXPECT_EQ(back.values.size(), kMaxCommandValues);
   command.values.resize(kMaxCommandValues + 1);
   EXPECT_FALSE(readCdr(std::span<const uint8_t>(cdrOf(command)), back));

@@ -15,7 +15,7 @@
 #include "sample_messages.h"
 #include "transport/dds.h"
 #include "transport/dds_participant.h"
-#include "transport/wire_types.h"
+#include "transport/dds_type.h"
 #include "true_within.h"
 
 namespace strandcast {
@@ -65,11 +65,11 @@ TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
   DdsParticipant rogue(DdsNetwork(domain), 1);
   MatchCounter matches[5];
   eprosima::fastdds::dds::DataWriter* writers[] = {
-      rogue.createWriter(kGroomTopic, new RawType("strandcast::v6::GroomChunk"), &matches[0]),
-      rogue.createWriter(kBodiesTopic, new RawType("strandcast::v6::BodyChunk"), &matches[1]),
-      rogue.createWriter(kGuidesTopic, new RawType("strandcast::v6::GuideChunk"), &matches[2]),
-      rogue.createWriter(kCommandTopic, new RawType("strandcast::v6::Command"), &matches[3]),
-      rogue.createWriter(kStatusTopic, new RawType("strandcast::v6::Status"), &matches[4])};
+      rogue.createWriter(kGroomTopic, new RawType(WireType<GroomChunk>().getName()), &matches[0]),
+      rogue.createWriter(kBodiesTopic, new RawType(WireType<BodyChunk>().getName()), &matches[1]),
+      rogue.createWriter(kGuidesTopic, new RawType(WireType<GuideChunk>().getName()), &matches[2]),
+      rogue.createWriter(kCommandTopic, new RawType(WireType<Command>().getName()), &matches[3]),
+      rogue.createWriter(kStatusTopic, new RawType(WireType<Status>().getName()), &matches[4])};
   for (const MatchCounter& match : matches) ASSERT_TRUE(isMatched(match));
   std::mt19937 random(9);
   for (int i = 0; i < 400; ++i) {
@@ -98,11 +98,11 @@ TEST(Claims, AStatusThatComesBeforeItsClaimIsNoRivals) {
   const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}, 1});
   std::this_thread::sleep_for(std::chrono::milliseconds(2700));  // until it knows whether another one casts
   const auto speak = [](DdsParticipant& participant, uint64_t session, MatchCounter& match) {
-    auto* const writer = participant.createWriter(kStatusTopic, new StatusType, &match);
-    v6::Status status;
-    status.groom_id(1);
-    status.session(session);
-    status.strands(10);
+    auto* const writer = participant.createWriter(kStatusTopic, new WireType<Status>, &match);
+    Status status;
+    status.groom_id = 1;
+    status.session = session;
+    status.strands = 10;
     writer->write(&status);
     return isMatched(match);
   };
@@ -111,7 +111,7 @@ TEST(Claims, AStatusThatComesBeforeItsClaimIsNoRivals) {
   ASSERT_TRUE(speak(sharer, 22, sharers));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_FALSE(publisher->conflict()) << "its claim may come";
-  sharer.createWriter(kClaimTopic, new ClaimType, nullptr, 2);
+  sharer.createWriter(kClaimTopic, new WireType<Claim>, nullptr, 2);
   ASSERT_TRUE(speak(stranger, 33, strangers));
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (!publisher->conflict() && std::chrono::steady_clock::now() < end)
@@ -148,7 +148,7 @@ TEST(Neighbours, ADaemonOnSharedMemoryWaitsForOneThatIsThereAndIsNotHeard) {
   DdsParticipant silent(DdsNetwork(domain), 1, DdsRole{true, 1, true});
   EXPECT_TRUE(becomes(true));
   EXPECT_FALSE(publisher->hasUnreachableDaemonOfGroom()) << "its writers may yet be found";
-  silent.createWriter(kClaimTopic, new ClaimType, nullptr, 7);
+  silent.createWriter(kClaimTopic, new WireType<Claim>, nullptr, 7);
   EXPECT_TRUE(becomes(false));
 }
 
@@ -180,8 +180,8 @@ TEST(Neighbours, TheStrengthOfAClaimIsKnown) {
   DdsNeighbours neighbours;
   const DdsParticipant own(DdsNetwork(domain), 1, DdsRole{true, 1, true}, &neighbours);
   DdsParticipant other(DdsNetwork(domain), 1, DdsRole{true, 1, true});
-  other.createWriter(kStatusTopic, new StatusType, nullptr);
-  other.createWriter(kClaimTopic, new ClaimType, nullptr, 4000000000u);
+  other.createWriter(kStatusTopic, new WireType<Status>, nullptr);
+  other.createWriter(kClaimTopic, new WireType<Claim>, nullptr, 4000000000u);
   const auto strength = [&]() -> std::optional<uint32_t> {
     for (const auto& [prefix, since] : neighbours.claimants(1))
       if (const auto known = neighbours.strengthOf(prefix)) return known;

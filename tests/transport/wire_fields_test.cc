@@ -159,12 +159,13 @@ TEST(WireFields, GiveTheGoldenBytesOfLcm) {
 
 TEST(WireFields, LongTextsAreCutAndLongArraysRefused) {
   Command command = fullMessage<Command>(), back;
-  command.name = std::string(kMaxTextBytes + 1, 'n');
+  command.name = std::string(kMaxTextBytes + 2, 'n');
   command.values.resize(kMaxCommandValues);
   std::vector<uint8_t> bytes;
   toBytes(command, bytes);
   ASSERT_TRUE(fromBytes(bytes, back));
-  EXPECT_EQ(back.name, std::string(kMaxTextBytes, 'n'));
+  EXPECT_EQ(back.name, std::string(kMaxTextBytes + 1, 'n'));
+  EXPECT_FALSE(isSound(back)) << "it is refused, not obeyed under another name";
   EXPECT_EQ(back.values.size(), kMaxCommandValues);
   command.values.resize(kMaxCommandValues + 1);
   toBytes(command, bytes);

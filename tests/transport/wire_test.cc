@@ -11,40 +11,37 @@
 #include "transport/chunks.h"
 #include "transport/dds_type.h"
 #include "transport/parameter_table.h"
-#include "transport/wire_types.h"
 
 namespace strandcast {
 namespace {
 
 using eprosima::fastrtps::rtps::SerializedPayload_t;
 
-template <class PubSubType, class Wire>
-std::vector<uint8_t> serialized(Wire& sample) {
-  PubSubType type;
-  SerializedPayload_t payload(type.getSerializedSizeProvider(&sample)());
-  EXPECT_TRUE(type.serialize(&sample, &payload));
+template <class Message>
+std::vector<uint8_t> serialized(Message& message) {
+  WireType<Message> type;
+  SerializedPayload_t payload(type.getSerializedSizeProvider(&message)());
+  EXPECT_TRUE(type.serialize(&message, &payload));
   return {payload.data, payload.data + payload.length};
 }
 
-template <class PubSubType, class Wire>
-bool deserialize(const std::vector<uint8_t>& bytes, Wire& sample) {
-  PubSubType type;
+template <class Message>
+bool deserialize(const std::vector<uint8_t>& bytes, Message& message) {
+  WireType<Message> type;
   SerializedPayload_t payload(static_cast<uint32_t>(bytes.size() + 1));
   std::copy(bytes.begin(), bytes.end(), payload.data);
   payload.length = static_cast<uint32_t>(bytes.size());
-  return type.deserialize(&payload, &sample);
+  return type.deserialize(&payload, &message);
 }
 
 /// Serialises every chunk, damages it in `runs` seeded ways, and feeds what still deserialises to the
 /// assembler.
-template <class PubSubType, class Wire, class Chunk, class Assembler>
+template <class Chunk, class Assembler>
 void damageBytes(std::vector<Chunk> chunks, Assembler make, int runs) {
   std::mt19937 random(5);
   size_t readable = 0;
   for (Chunk& chunk : chunks) {
-    Wire wire;
-    toWire(chunk, wire);
-    const std::vector<uint8_t> sound = serialized<PubSubType>(wire);
+    const std::vector<uint8_t> sound = serialized(chunk);
     EXPECT_LT(sound.size(), 64u * 1024) << "does not fit a datagram";
     for (int run = 0; run < runs; ++run) {
       auto assembler = make();
@@ -53,71 +50,58 @@ void damageBytes(std::vector<Chunk> chunks, Assembler make, int runs) {
       const size_t head = std::min<size_t>(bytes.size(), run % 2 != 0 ? 160 : bytes.size());
       for (uint32_t i = 0; head > 0 && i < 1 + random() % 4; ++i)
         bytes[random() % head] = static_cast<uint8_t>(random());
-      Wire damaged;
-      if (!deserialize<PubSubType>(bytes, damaged)) continue;
+      Chunk damaged;
+      if (!deserialize(bytes, damaged)) continue;
       ++readable;
-      Chunk received;
-      fromWire(damaged, received);
-      assembler.add(std::move(received));
+      assembler.add(std::move(damaged));
     }
   }
   EXPECT_GT(readable, 0u);
 }
 
 /// The bytes of the key of a sample's instance, in hexadecimal.
-template <class Type, class Sample>
-std::string keyOf(Sample& sample, bool force_md5) {
+template <class Message>
+std::string keyOf(Message& message, bool force_md5) {
   eprosima::fastrtps::rtps::InstanceHandle_t handle;
-  EXPECT_TRUE(Type().getKey(&sample, &handle, force_md5));
+  EXPECT_TRUE(WireType<Message>().getKey(&message, &handle, force_md5));
   std::array<uint8_t, 16> bytes;
   for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = handle.value[i];
   return hexadecimal(bytes);
 }
 
-/// Expects the golden bytes and keys of the generated type and of WireType, and that each reads the other.
-template <class PubSubType, class Wire, class Message>
-void expectGolden(const std::string& suffix, Message message, Wire wire) {
-  using Type = WireType<Message>;
-  const std::string name = kWireName<Message>;
-  EXPECT_STREQ(Type().getName(), PubSubType().getName());
-  const std::vector<uint8_t> bytes = serialized<PubSubType>(wire);
-  EXPECT_EQ(hexadecimal(bytes), goldenBytes(name, "cdr" + suffix)) << name << suffix;
-  EXPECT_EQ(serialized<Type>(message), bytes) << name << suffix;
-  for (const bool force_md5 : {false, true})
-    EXPECT_EQ(keyOf<Type>(message, force_md5), keyOf<PubSubType>(wire, force_md5)) << name << suffix;
-  EXPECT_EQ(keyOf<Type>(message, false), goldenBytes(name, "key" + suffix)) << name << suffix;
-  Message back;
-  Wire wire_back;
-  ASSERT_TRUE(deserialize<Type>(bytes, back));
-  ASSERT_TRUE(deserialize<PubSubType>(bytes, wire_back));
-  EXPECT_EQ(serialized<Type>(back), bytes);
-  EXPECT_EQ(serialized<PubSubType>(wire_back), bytes);
-}
-
-template <class PubSubType, class Wire, class Message>
+template <class Message>
 void expectGolden() {
   for (const bool is_empty : {false, true}) {
-    Message message = is_empty ? Message() : fullMessage<Message>(), swapped = message;
-    Wire wire;
-    toWire(swapped, wire);
-    expectGolden<PubSubType>(is_empty ? " empty" : "", std::move(message), std::move(wire));
+    const std::string name = kWireName<Message>, suffix = is_empty ? " empty" : "";
+    Message message = is_empty ? Message() : fullMessage<Message>(), back;
+    const std::vector<uint8_t> bytes = serialized(message);
+    EXPECT_EQ(hexadecimal(bytes), goldenBytes(name, "cdr" + suffix)) << name << suffix;
+    EXPECT_EQ(keyOf(message, false), goldenBytes(name, "key" + suffix)) << name << suffix;
+    ASSERT_TRUE(deserialize(bytes, back));
+    EXPECT_EQ(serialized(back), bytes);
   }
 }
 
 TEST(Wire, BytesAndKeysAreTheGoldenOnes) {
-  expectGolden<GroomChunkType, v6::GroomChunk, GroomChunk>();
-  expectGolden<BodyChunkType, v6::BodyChunk, BodyChunk>();
-  expectGolden<ColliderChunkType, v6::ColliderChunk, ColliderChunk>();
-  expectGolden<GuideChunkType, v6::GuideChunk, GuideChunk>();
-  expectGolden<CommandType, v6::Command, Command>();
-  expectGolden<StatusType, v6::Status, Status>();
-  expectGolden<ShowChunkType, v6::ShowChunk, ShowChunk>();
-  v6::Claim claim;
-  expectGolden<ClaimType>(" empty", Claim(), claim);
-  const Claim full = fullMessage<Claim>();
-  claim.session(full.session);
-  claim.groom_id(full.groom_id);
-  expectGolden<ClaimType>("", full, claim);
+  expectGolden<GroomChunk>();
+  expectGolden<BodyChunk>();
+  expectGolden<ColliderChunk>();
+  expectGolden<GuideChunk>();
+  expectGolden<Command>();
+  expectGolden<Status>();
+  expectGolden<ShowChunk>();
+  expectGolden<Claim>();
+}
+
+TEST(Wire, WithSecurityAKeyIsTheMd5OfItsBytes) {
+  GroomChunk chunk;
+  chunk.groom_id = 0x01020304;
+  chunk.chunk_index = 5;
+  EXPECT_EQ(keyOf(chunk, false), "01020304000000050000000000000000");
+  EXPECT_EQ(keyOf(chunk, true), "65df6db9d9b7e97c6b8eadda894e14a0") << "of the first 8 bytes";
+  Command command;
+  command.groom_id = 7;
+  EXPECT_EQ(keyOf(command, true), "679e19234b295ee432a3920c30fda6ac") << "of 4 bytes";
 }
 
 TEST(Wire, ASampleThatDoesNotFitItsPayloadIsNotWritten) {
@@ -132,14 +116,11 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
   GroomAssembler assembler(1);
   std::shared_ptr<const GroomDescription> result;
   for (GroomChunk& chunk : splitGroom(groom)) {
-    v6::GroomChunk sent, received;
-    toWire(chunk, sent);
-    const std::vector<uint8_t> bytes = serialized<GroomChunkType>(sent);
+    const std::vector<uint8_t> bytes = serialized(chunk);
     EXPECT_LT(bytes.size(), 64u * 1024) << "does not fit a datagram";
-    ASSERT_TRUE(deserialize<GroomChunkType>(bytes, received));
-    GroomChunk back;
-    fromWire(received, back);
-    result = assembler.add(std::move(back));
+    GroomChunk received;
+    ASSERT_TRUE(deserialize(bytes, received));
+    result = assembler.add(std::move(received));
   }
   ASSERT_TRUE(result);
   EXPECT_EQ(result->guides.positions, groom.guides.positions);
@@ -148,9 +129,9 @@ TEST(Wire, ChunksSurviveTheWireFormat) {
 
 TEST(Wire, DamagedBytesAreRefusedOrCaught) {
   const auto groom = std::make_shared<GroomDescription>(uniformGroom(500, 16));
-  damageBytes<GroomChunkType, v6::GroomChunk>(
+  damageBytes(
       splitGroom(*groom), [] { return GroomAssembler(1); }, 300);
-  damageBytes<BodyChunkType, v6::BodyChunk>(
+  damageBytes(
       splitBody(sampleBody(60)), [] { return BodyAssembler(1); }, 300);
   const GuideFrame frame = sampleFrame(*groom, 1);
   const auto make = [&] {
@@ -158,21 +139,16 @@ TEST(Wire, DamagedBytesAreRefusedOrCaught) {
     assembler.setGroom(groom);
     return assembler;
   };
-  for (const CodecInfo& info : codecList())
-    damageBytes<GuideChunkType, v6::GuideChunk>(splitFrame(*groom, frame, {info.codec}), make, 300);
+  for (const CodecInfo& info : codecList()) damageBytes(splitFrame(*groom, frame, {info.codec}), make, 300);
 }
 
 TEST(Wire, ADamagedStatusIsRefusedOrItsParametersAreCounted) {
   Status status;
   status.groom_name = "bob";
   status.parameters = parameterTable(Parameters());
-  v6::Status wire;
-  toWire(status, wire);
-  const std::vector<uint8_t> sound = serialized<StatusType>(wire);
-  v6::Status received;
-  ASSERT_TRUE(deserialize<StatusType>(sound, received));
+  const std::vector<uint8_t> sound = serialized(status);
   Status back;
-  fromWire(received, back);
+  ASSERT_TRUE(deserialize(sound, back));
   EXPECT_TRUE(isSound(back.parameters));
   EXPECT_EQ(namedValues(back.parameters), namedValues(status.parameters));
 
@@ -183,10 +159,8 @@ TEST(Wire, ADamagedStatusIsRefusedOrItsParametersAreCounted) {
     if (run % 4 == 0) bytes.resize(random() % bytes.size());
     for (uint32_t i = 0; !bytes.empty() && i < 1 + random() % 3; ++i)
       bytes[random() % bytes.size()] = static_cast<uint8_t>(random());
-    v6::Status damaged;
-    if (!deserialize<StatusType>(bytes, damaged)) continue;
+    if (!deserialize(bytes, back)) continue;
     ++readable;
-    fromWire(damaged, back);
     if (!isSound(back.parameters)) continue;
     ++fit;
     EXPECT_EQ(namedValues(back.parameters).size(), back.parameters.components.size());
