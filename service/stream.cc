@@ -138,6 +138,7 @@ void FrameCapture::run() {
     if (!frame && has_ended) break;
     if (!frame) continue;
     const bool fits_last = last && !is_other && last->revision == frame->revision &&
+                           last->continuity == frame->continuity &&
                            last->positions.size() == frame->positions.size();
     const auto before = std::exchange(last, frame);
     if (is_other) start = -1;

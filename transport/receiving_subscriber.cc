@@ -1,8 +1,17 @@
 #include "transport/receiving_subscriber.h"
 
+#include <cmath>
+
+#include "transport/metrics.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
+
+bool isSound(const ReaderReport& report) {
+  const auto is_finite = [](auto... numbers) { return (std::isfinite(numbers) && ...); };
+  return report.reader != 0 && (report.pixels == -1 || (report.pixels >= 0 && report.pixels <= 1e6f)) &&
+         report.rate >= 0 && is_finite(report.rate, report.latency_ms_p50, report.latency_ms_p99);
+}
 
 std::optional<Status> ReceivingSubscriber::status() const {
   const auto own = queue_.groom();
@@ -50,7 +59,7 @@ void ReceivingSubscriber::push(std::shared_ptr<const GuideFrame> frame) {
 }
 
 bool ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& writer) {
-  if (!isSound(status.parameters)) {
+  if (!isSound(status.parameters) || !isSound(status.metrics)) {
     countDamagedMessage();
     return false;
   }
@@ -58,6 +67,16 @@ bool ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& wr
   // After the status, so that a thread that sees the answer sees its effects.
   if (status.groom_id == groom_id_) answers_.post(status);
   return is_taken;
+}
+
+void ReceivingSubscriber::describe(ReaderReport& report) const {
+  const auto shown = frame();
+  const ReceiveStatistics received = statistics();
+  report.session = shown ? shown->session : 0;
+  report.frames_received = received.frames_received;
+  report.frames_lost = received.frames_lost;
+  report.latency_ms_p50 = static_cast<float>(received.latency_ms_p50);
+  report.latency_ms_p99 = static_cast<float>(received.latency_ms_p99);
 }
 
 void ReceivingSubscriber::countDamagedMessage() {

@@ -12,6 +12,7 @@
 #include "transport/frame_queue.h"
 #include "transport/status_board.h"
 #include "transport/subscriber.h"
+#include "transport/wire_fields.h"
 
 namespace strandcast {
 
@@ -67,6 +68,8 @@ class ReceivingSubscriber : public Subscriber {
   /// False where it is damaged or the status board is full.
   bool receive(Status status, const StatusBoard::WriterId& writer);
   void countDamagedMessage();
+  /// Sets session, frames and latencies.
+  void describe(ReaderReport& report) const;
 
   mutable StatusBoard statuses_;
 

@@ -137,7 +137,7 @@ class FramePlayer {
   /// kSmooth estimates the offset between this machine's clock and simulation time as the least that about
   /// the last second of arrivals shows. It plays one frame interval plus the jitter (at most a second
   /// interval) behind it, and interpolates by interpolateFrames(). Where no new frames arrive, it stays on
-  /// the newest.
+  /// the newest; before a cut (GuideFrame::continuity), on the frame before it.
   std::shared_ptr<const GuideFrame> next(
       const std::optional<Pose>& head = std::nullopt,
       std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());

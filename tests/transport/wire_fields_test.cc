@@ -36,7 +36,6 @@ class IdlText {
  private:
   template <class Number>
   static std::string type() {
-    if constexpr (std::is_same_v<Number, Encoding>) return "Encoding";
     if constexpr (std::is_floating_point_v<Number>) return sizeof(Number) == 8 ? "double" : "float";
     switch (sizeof(Number)) {
       case 8:
@@ -64,7 +63,6 @@ class LcmText {
   void number(const char* name, const Number&) {
     line(lcmType<Number>(), name);
   }
-  void flag(const char* name, bool) { line("int32_t", name); }
   void text(const char* name, const std::string&, size_t) { line("string", name); }
   template <class Number, size_t kLength>
   void items(const char* name, const std::array<Number, kLength>&) {
@@ -118,6 +116,7 @@ TEST(WireFields, AreThoseOfTheIdl) {
   expectIdl<GuideChunk>();
   expectIdl<Command>();
   expectIdl<Status>();
+  expectIdl<ReaderReport>();
   expectIdl<Claim>();
   expectIdl<ShowChunk>();
 }
@@ -130,7 +129,7 @@ TEST(WireFields, AreThoseOfTheLcmSchema) {
   EXPECT_EQ((listed<LcmText, GuideChunk>()), lcm("guide_chunk_t"));
   EXPECT_EQ((listed<LcmText, Command>()), lcm("command_t"));
   EXPECT_EQ((listed<LcmText, Status>()), lcm("status_t"));
-  EXPECT_EQ((listed<LcmText, ReaderHeartbeat>()), lcm("reader_t"));
+  EXPECT_EQ((listed<LcmText, ReaderReport>()), lcm("reader_t"));
 }
 
 template <class Message>
@@ -154,7 +153,7 @@ TEST(WireFields, GiveTheGoldenBytesOfLcm) {
   expectGoldenLcm<GuideChunk>("GuideChunk");
   expectGoldenLcm<Command>("Command");
   expectGoldenLcm<Status>("Status");
-  expectGoldenLcm<ReaderHeartbeat>("ReaderHeartbeat");
+  expectGoldenLcm<ReaderReport>("ReaderReport");
 }
 
 TEST(WireFields, LongTextsAreCutAndLongArraysRefused) {

@@ -38,7 +38,7 @@ class LcmPublisher final : public Publisher {
         announced_(options.groom_id, options.session, options.codec),
         link_(std::move(link)) {
     subscriptions_ = link_->listen({{channels_.command, [this](auto message) { receiveCommand(message); }},
-                                    {channels_.reader, [this](auto message) { receiveHeartbeat(message); }},
+                                    {channels_.reader, [this](auto message) { receiveReport(message); }},
                                     {channels_.status, [this](auto message) { receiveStatus(message); }}});
     publishStatus({});      // so that rivals learn of this session at once
     announceColliders({});  // so that readers do not wait for colliders
@@ -153,13 +153,13 @@ class LcmPublisher final : public Publisher {
     commands_.push(std::move(command));
   }
 
-  void receiveHeartbeat(std::span<const uint8_t> message) {
-    ReaderHeartbeat heartbeat;
-    if (!fromBytes(message, heartbeat) || heartbeat.groom_id != options_.groom_id) return;
+  void receiveReport(std::span<const uint8_t> message) {
+    ReaderReport report;
+    if (!fromBytes(message, report) || report.groom_id != options_.groom_id || !isSound(report)) return;
     const std::lock_guard lock(mutex_);
-    if (readers_.size() < kMaxReaders || readers_.contains(heartbeat.reader))
-      readers_[heartbeat.reader] = Clock::now();
-    if (!heartbeat.wants_groom) return;
+    if (readers_.size() < kMaxReaders || readers_.contains(report.reader))
+      readers_[report.reader] = Clock::now();
+    if (report.wants == 0) return;
     is_asked_ = true;
     repeat_due_ = std::min(repeat_due_, repeated_ + kRepeatAtMost);
     wake_.notify_all();

@@ -18,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kHeartbeatPeriod{1000}, kRequestPeriod{200};
+constexpr milliseconds kReportPeriod{1000}, kRequestPeriod{200};
 
 /// LCM has no writers: session and groom id identify a daemon.
 StatusBoard::WriterId writerId(const Status& status) {
@@ -35,8 +35,8 @@ class LcmSubscriber final : public ReceivingSubscriber {
         options_(options),
         channels_(options.groom_id),
         link_(std::move(link)) {
-    heartbeat_.reader = std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
-    heartbeat_.groom_id = options.groom_id;
+    report_.reader = 1 | std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
+    report_.groom_id = options.groom_id;
     const MessageLink::Channel status{channels_.status, [this](auto message) { receiveStatus(message); }};
     if (!options.frames) {
       subscriptions_ = link_->listen({status});
@@ -48,17 +48,17 @@ class LcmSubscriber final : public ReceivingSubscriber {
                        {channels_.colliders, [this](auto message) { receiveColliders(message); }},
                        {channels_.guides, [this](auto message) { receiveGuides(message); }},
                        status});
-    heartbeat_thread_ = std::thread([this] { sendHeartbeats(); });
+    report_thread_ = std::thread([this] { sendReports(); });
   }
 
   ~LcmSubscriber() override {
     subscriptions_.clear();
     {
-      const std::lock_guard lock(heartbeat_mutex_);
+      const std::lock_guard lock(report_mutex_);
       stop_ = true;
     }
     wake_.notify_all();
-    if (heartbeat_thread_.joinable()) heartbeat_thread_.join();
+    if (report_thread_.joinable()) report_thread_.join();
   }
 
   std::optional<Status> status() const override {
@@ -150,22 +150,30 @@ class LcmSubscriber final : public ReceivingSubscriber {
 
   /// After a new session or a changed groom.
   void requestGroom() {
-    const std::lock_guard lock(heartbeat_mutex_);
+    const std::lock_guard lock(report_mutex_);
     lacks_groom_ = true;
     wake_.notify_all();
   }
 
-  void sendHeartbeats() {
+  uint32_t wants() {
+    const bool lacks_groom = std::exchange(lacks_groom_, false) || !groom() || !body();
+    return (lacks_groom ? ReaderReport::kGroomAndBody : 0u) | (!colliders() ? ReaderReport::kColliders : 0u);
+  }
+
+  void sendReports() {
     std::vector<uint8_t> message;
-    std::unique_lock lock(heartbeat_mutex_);
+    std::unique_lock lock(report_mutex_);
     while (!stop_) {
-      heartbeat_.wants_groom = std::exchange(lacks_groom_, false) || !groom() || !body() || !colliders();
-      toBytes(heartbeat_, message);
+      report_.wants = wants();
+      lock.unlock();  // receiveGuides() has the lock that describe() takes, and takes this one
+      describe(report_);
+      toBytes(report_, message);
       link_->send(channels_.reader, message);
-      // A sign that asks is followed by the next after kRequestPeriod; a complete reader asks as soon as it
+      lock.lock();
+      // A report that asks is followed by the next after kRequestPeriod; a complete reader asks as soon as it
       // lacks something.
-      wake_.wait_for(lock, heartbeat_.wants_groom ? kRequestPeriod : kHeartbeatPeriod,
-                     [&] { return stop_ || (lacks_groom_ && !heartbeat_.wants_groom); });
+      wake_.wait_for(lock, report_.wants != 0 ? kRequestPeriod : kReportPeriod,
+                     [&] { return stop_ || (lacks_groom_ && report_.wants == 0); });
     }
   }
 
@@ -174,14 +182,14 @@ class LcmSubscriber final : public ReceivingSubscriber {
   mutable std::mutex heard_mutex_;
   mutable std::map<StatusBoard::WriterId, Clock::time_point> heard_;
 
-  std::mutex heartbeat_mutex_;  // guards all below
+  std::mutex report_mutex_;  // guards all below
   std::condition_variable wake_;
-  ReaderHeartbeat heartbeat_;
+  ReaderReport report_;
   bool lacks_groom_ = false, stop_ = false;
 
   std::shared_ptr<MessageLink> link_;
   std::vector<MessageLink::Subscription> subscriptions_;
-  std::thread heartbeat_thread_;
+  std::thread report_thread_;
 };
 
 }  // namespace

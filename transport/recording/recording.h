@@ -69,6 +69,9 @@ class Recording {
   /// Loads the index of a block; false where it is damaged.
   bool indexOf(const Block& block, const IndexRecord*& index);
   bool readGroom(uint64_t offset);
+  // By the version of the file.
+  bool parseGroom(std::span<const uint8_t> bytes, GroomChunk& chunk) const;
+  bool parseFrame(std::span<const uint8_t> bytes, FrameRecord& record) const;
   bool parseGuides(std::span<const uint8_t> bytes);
   bool readFrame(uint64_t number, RecordedFrame& out);
   /// Offset of the record after the guides of a frame.
