@@ -1,4 +1,7 @@
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+#include <atomic>
 #include <deque>
 #include <iterator>
 #include <mutex>
@@ -11,6 +14,7 @@
 #include "transport/dds_claim.h"
 #include "transport/dds_participant.h"
 #include "transport/dds_type.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -40,6 +44,7 @@ class DdsPublisher final : public Publisher {
         show_listener_([this](ShowChunk& chunk, const auto&) { receive(chunk); }),
         state_shows_(options.groom_id, ShowChunk::kState),
         hair_shows_(options.groom_id, ShowChunk::kStateAndHair),
+        neighbours_([this] { warnOnce(); }),
         participant_(DdsNetwork(options), options.groom_id,
                      DdsRole{true, options.groom_id, options.claim.has_value()}, &neighbours_) {
     // Before the reader of statuses, whose thread uses it.
@@ -167,6 +172,9 @@ class DdsPublisher final : public Publisher {
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
   EncodingReport encoding() const override { return announced_.encoding(); }
+  std::optional<OtherVersion> otherVersion() const override {
+    return neighbours_.otherVersion(options_.groom_id, false);
+  }
   std::optional<ConflictingDaemon> conflict() const override {
     if (!claim_) return others_.conflictOf(options_.groom_id, options_.session);
     return others_.conflictOf(options_.groom_id, options_.session, [this](const auto& writer, auto heard) {
@@ -199,6 +207,12 @@ class DdsPublisher final : public Publisher {
       show_writer_->write(&waiting_hair_.front());
       waiting_hair_.pop_front();
     }
+  }
+
+  void warnOnce() {
+    const auto other = otherVersion();
+    if (other && !has_warned_.exchange(true))
+      spdlog::warn(warningOf(*other, options_.groom_id, "DDS domain " + std::to_string(options_.domain)));
   }
 
   void write(AnnouncedGroom::Chunks chunks) {
@@ -290,6 +304,7 @@ class DdsPublisher final : public Publisher {
   std::deque<ShowChunk> waiting_hair_;
   bool reads_shows_ = false;
   uint32_t show_revision_ = 0, hair_sent_to_ = 0;  // hair_sent_to_: of MatchCounter::everMatched()
+  std::atomic<bool> has_warned_{false};
   DdsNeighbours neighbours_;
   std::optional<DdsClaim> claim_;
   DdsParticipant participant_;

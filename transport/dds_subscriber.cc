@@ -15,6 +15,7 @@
 #include "transport/dds_participant.h"
 #include "transport/dds_type.h"
 #include "transport/receiving_subscriber.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -37,6 +38,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   explicit DdsSubscriber(const DdsOptions& options)
       : ReceivingSubscriber(options.groom_id, options.profile == DdsProfile::kBestEffort),
         options_(options),
+        neighbours_([this] { warnOnce(); }),
         groom_listener_([this](GroomChunk& chunk, const auto&) { receive(std::move(chunk)); }),
         body_listener_([this](BodyChunk& chunk, const auto&) { receive(std::move(chunk)); }),
         collider_listener_([this](ColliderChunk& chunk, const auto&) { receive(std::move(chunk)); }),
@@ -61,6 +63,9 @@ class DdsSubscriber final : public ReceivingSubscriber {
     participant_.reset();  // and with it the threads that call the listeners
   }
 
+  std::optional<OtherVersion> otherVersion() const override {
+    return neighbours_.otherVersion(options_.groom_id, true);
+  }
   bool mayCommand() const override { return options_.keys.empty() || command_writer_ != nullptr; }
 
   void send(const Command& command, const std::function<bool()>& gives_up) override {
@@ -97,6 +102,14 @@ class DdsSubscriber final : public ReceivingSubscriber {
   }
 
  private:
+  void warnOnce() {
+    const auto other = otherVersion();
+    if (other && !has_warned_.exchange(true)) spdlog::warn(warning(*other));
+  }
+  std::string warning(const OtherVersion& other) const {
+    return warningOf(other, options_.groom_id, "DDS domain " + std::to_string(options_.domain));
+  }
+
   void join(const DdsNetwork& network) {
     participant_.emplace(network, options_.groom_id, DdsRole{false, options_.groom_id, false}, &neighbours_);
     if (options_.frames) {
@@ -111,6 +124,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   }
 
   std::string noAnswerRemedy() const {
+    if (const auto other = otherVersion()) return warning(*other);
     if (!options_.keys.empty())
       return "start strandcastd, or check --domain, the groom id and the keys: a daemon refuses those of "
              "another CA, "
@@ -178,6 +192,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   std::mutex send_mutex_;
   // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter daemons_;
+  std::atomic<bool> has_warned_{false};
   DdsNeighbours neighbours_;
   SampleListener<GroomChunk> groom_listener_;
   SampleListener<BodyChunk> body_listener_;

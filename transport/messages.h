@@ -152,6 +152,14 @@ struct MetricTable {
   std::vector<double> values;
 };
 
+/// A program of another version of the wire. The two exchange nothing: docs/wire.md, "Version".
+struct OtherVersion {
+  bool is_daemon = false;   ///< it casts; else it wants frames or sends commands
+  int first = 0, last = 0;  ///< versions that it may have; a newer one than is known here: both 0
+
+  bool operator==(const OtherVersion&) const = default;
+};
+
 /// State of a daemon, published twice a second and in answer to each command.
 struct Status {
   uint32_t groom_id = 0;

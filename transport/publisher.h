@@ -120,6 +120,8 @@ class Publisher {
   /// The newest show of the daemon that casts, each once: first the newest with hair, then the newest
   /// without.
   virtual std::optional<Show> takeShow() { return std::nullopt; }
+  /// A program of another version of the wire that wants this groom, if one is known.
+  virtual std::optional<OtherVersion> otherVersion() const { return std::nullopt; }
   /// Why published data could not be written to an LCM log; empty while nothing failed. The failure was
   /// logged once.
   virtual std::string failure() const { return {}; }

@@ -91,6 +91,8 @@ class Subscriber {
   /// was refused, nothing on timeout. The newest 256 answers are kept, also after the daemon has ended.
   virtual std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) = 0;
   virtual ReceiveStatistics statistics() const = 0;
+  /// A daemon of another version of the wire that casts this subscriber's groom, if one is known.
+  virtual std::optional<OtherVersion> otherVersion() const { return std::nullopt; }
 };
 
 /// Sends the command every half second until the daemon has answered; the daemon executes it once, however

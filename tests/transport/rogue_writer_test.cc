@@ -191,6 +191,26 @@ TEST(Neighbours, TheStrengthOfAClaimIsKnown) {
   EXPECT_FALSE(neighbours.hasDaemonWithoutWriters(1, std::chrono::milliseconds(0)));
 }
 
+TEST(Neighbours, ProgramsOfAnotherVersionAreNamedAndAreNoRivals) {
+  const int domain = testDomain(20);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
+  const auto becomesTrue = [](const auto& condition) {
+    return trueWithin(std::chrono::seconds(5), condition);
+  };
+  DdsParticipant daemon(DdsNetwork(domain), 1, DdsRole{true, 1, false}),
+      of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, false}),
+      reader(DdsNetwork(domain), 1, DdsRole{false, 1, false});
+  of_another_groom.createWriter(kGuidesTopic, new RawType("strandcast::v5::GuideChunk"), nullptr);
+  EXPECT_TRUE(becomesTrue([&] { return publisher->possibleConflicts() == 1; }));
+  EXPECT_FALSE(subscriber->otherVersion() || publisher->otherVersion());
+  daemon.createWriter(kGuidesTopic, new RawType("strandcast::v6::GuideChunk"), nullptr);
+  reader.createReader(kGuidesTopic, new RawType("strandcast::v8::GuideChunk"), nullptr);
+  EXPECT_TRUE(becomesTrue([&] { return subscriber->otherVersion() == OtherVersion{true, 6, 6}; }));
+  EXPECT_TRUE(becomesTrue([&] { return publisher->otherVersion() == OtherVersion{false, 0, 0}; }));
+  EXPECT_TRUE(becomesTrue([&] { return publisher->possibleConflicts() == 0; }));
+}
+
 TEST(Neighbours, ADaemonListensForLongOnlyWhereARivalMayBe) {
   const int domain = testDomain(9);
   const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});

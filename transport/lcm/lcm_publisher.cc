@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -15,6 +17,7 @@
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/publisher.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -131,6 +134,11 @@ class LcmPublisher final : public Publisher {
     return Clock::now() - conflict_heard_ > kLcmSilence ? std::nullopt : conflicting_;
   }
 
+  std::optional<OtherVersion> otherVersion() const override {
+    const std::lock_guard lock(mutex_);
+    return Clock::now() - other_heard_ > kLcmSilence ? std::nullopt : other_;
+  }
+
   std::chrono::milliseconds listenTime() const override { return kLcmListenTime; }
 
   std::string failure() const override { return link_->failure(); }
@@ -155,6 +163,7 @@ class LcmPublisher final : public Publisher {
 
   void receiveReport(std::span<const uint8_t> message) {
     ReaderReport report;
+    if (const auto other = versionOfMessage(message, false)) return note(*other);
     if (!fromBytes(message, report) || report.groom_id != options_.groom_id || !isSound(report)) return;
     const std::lock_guard lock(mutex_);
     if (readers_.size() < kMaxReaders || readers_.contains(report.reader))
@@ -163,6 +172,13 @@ class LcmPublisher final : public Publisher {
     is_asked_ = true;
     repeat_due_ = std::min(repeat_due_, repeated_ + kRepeatAtMost);
     wake_.notify_all();
+  }
+
+  void note(const OtherVersion& other) {
+    const std::lock_guard lock(mutex_);
+    if (!other_) spdlog::warn(warningOf(other, options_.groom_id, "LCM " + options_.url));
+    other_ = other;
+    other_heard_ = Clock::now();
   }
 
   void receiveStatus(std::span<const uint8_t> message) {
@@ -252,6 +268,8 @@ class LcmPublisher final : public Publisher {
   mutable std::map<uint64_t, Clock::time_point> readers_;
   std::optional<ConflictingDaemon> conflicting_;  // the last one heard
   Clock::time_point conflict_heard_{};
+  std::optional<OtherVersion> other_;  // a reader's, the last one heard
+  Clock::time_point other_heard_{};
   uint64_t answered_session_ = 0;  // session of a starting daemon that was answered
   bool is_asked_ = false, stop_ = false;
 

@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -11,6 +13,7 @@
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/receiving_subscriber.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -70,6 +73,11 @@ class LcmSubscriber final : public ReceivingSubscriber {
     return ReceivingSubscriber::allStatuses();
   }
 
+  std::optional<OtherVersion> otherVersion() const override {
+    const std::lock_guard lock(heard_mutex_);
+    return Clock::now() - other_heard_ > kLcmSilence ? std::nullopt : other_;
+  }
+
   bool mayCommand() const override { return !isLcmLog(options_.url); }
   void send(const Command& command, const std::function<bool()>& gives_up) override {
     checkCommand(command, options_.groom_id);
@@ -78,9 +86,11 @@ class LcmSubscriber final : public ReceivingSubscriber {
     const auto deadline = Clock::now() + kAnswerTime;
     while (!status()) {
       if (Clock::now() > deadline || (gives_up && gives_up())) {
-        throw Error("no daemon answers",
-                    "groom " + std::to_string(options_.groom_id) + " on LCM " + options_.url,
-                    "start strandcastd --transport lcm, or check --domain, --lcm-url and the groom id");
+        const auto other = otherVersion();
+        throw Error(
+            "no daemon answers", "groom " + std::to_string(options_.groom_id) + " on LCM " + options_.url,
+            other ? warning(*other)
+                  : "start strandcastd --transport lcm, or check --domain, --lcm-url and the groom id");
       }
       std::this_thread::sleep_for(milliseconds(5));
     }
@@ -120,7 +130,10 @@ class LcmSubscriber final : public ReceivingSubscriber {
 
   void receiveGuides(std::span<const uint8_t> message) {
     ReceivingSubscriber::receiveGuides([&](GuideChunk& chunk) {
-      if (!fromBytes(message, chunk)) return false;
+      if (!fromBytes(message, chunk)) {
+        if (const auto other = versionOfMessage(message, true)) note(*other);
+        return false;
+      }
       const auto own = groom();
       const bool is_new = chunk.groom_id == options_.groom_id && own &&
                           (own->session != chunk.session || own->revision < chunk.revision);
@@ -131,12 +144,24 @@ class LcmSubscriber final : public ReceivingSubscriber {
 
   void receiveStatus(std::span<const uint8_t> message) {
     Status status;
+    if (isOldStatusOf(options_.groom_id, message)) note(*versionOfMessage(message, true));
     if (!fromBytes(message, status)) return;
     expireSilentDaemons();  // also while nobody calls status()
     const StatusBoard::WriterId id = writerId(status);
     if (!receive(std::move(status), id)) return;
     const std::lock_guard lock(heard_mutex_);
     heard_[id] = Clock::now();
+  }
+
+  void note(const OtherVersion& other) {
+    const std::lock_guard lock(heard_mutex_);
+    if (!other_) spdlog::warn(warning(other));
+    other_ = other;
+    other_heard_ = Clock::now();
+  }
+
+  std::string warning(const OtherVersion& other) const {
+    return warningOf(other, options_.groom_id, "LCM " + options_.url);
   }
 
   void expireSilentDaemons() const {
@@ -181,6 +206,8 @@ class LcmSubscriber final : public ReceivingSubscriber {
   const LcmChannels channels_;
   mutable std::mutex heard_mutex_;
   mutable std::map<StatusBoard::WriterId, Clock::time_point> heard_;
+  std::optional<OtherVersion> other_;  // a daemon's, the last one heard
+  Clock::time_point other_heard_{};
 
   std::mutex report_mutex_;  // guards all below
   std::condition_variable wake_;
