@@ -113,6 +113,10 @@ void Daemon::publishFrame() {
 
 void Daemon::publishStatus() {
   report_.setParameters(controlled_.table());
+  const ReaderSummary readers = publisher_.readers();
+  report_.metrics().rate = settings_.rate;
+  report_.metrics().largest_pixels = readers.largest_pixels;
+  report_.metrics().readers_lost = static_cast<double>(readers.frames_lost);
   report_.measure();
   report_.setChannel(publisher_.matchedReaders(), publisher_.encoding());
   publisher_.publishStatus(status());
@@ -177,6 +181,7 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     if (!castFrame(stop)) break;
     const Clock::time_point now = Clock::now();
     if (now >= status_due) {
+      report_.metrics().frames_late = static_cast<double>(pacer.lateFrames());
       publishStatus();
       status_due =
           now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStatusInterval));

@@ -6,6 +6,7 @@
 
 #include "core/simulation.h"
 #include "transport/messages.h"
+#include "transport/metrics.h"
 
 namespace strandcast {
 
@@ -20,6 +21,8 @@ class StatusReport {
   void setParameters(ParameterTable parameters) { status_.parameters = std::move(parameters); }
   void setFrames(uint64_t frames) { status_.frames = frames; }
   void setChannel(uint32_t readers, const EncodingReport& encoding);
+  /// Are in the status from the next measure() on.
+  Metrics& metrics() { return metrics_; }
   void setTime() { status_.simulation_time = simulation_.time(); }
   /// The answer to a command; an empty refusal means that it was executed.
   void setAnswer(uint64_t command, const std::string& refusal);
@@ -36,6 +39,7 @@ class StatusReport {
  private:
   Simulation& simulation_;
   Status status_;
+  Metrics metrics_;
   Measurement measured_;  ///< of the first strands_measured_ strands, since the last measure()
   size_t strands_measured_ = 0;
   std::vector<double> step_ms_;  ///< durations of the newest steps, a ring

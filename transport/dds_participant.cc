@@ -79,6 +79,7 @@ const TopicProfile kGuidesTopic{"strandcast/guides", false, 4, kMaxChunks, true}
 const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
 const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false, false, true};
 const TopicProfile kClaimTopic{"strandcast/claim", false, 1, 4, true, true};
+const TopicProfile kReadersTopic{"strandcast/readers", false, 1, 1024, true};
 const TopicProfile kShowTopic{"strandcast/show", false, 1, 2 * kMaxChunks, true};
 
 namespace {
@@ -450,6 +451,21 @@ dds::DataWriter* DdsParticipant::createWriterIfPermitted(const TopicProfile& pro
 
 dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::TopicDataType* type,
                                               dds::DataReaderListener* listener, bool is_reliable) {
+  dds::DataReader* const reader = makeReader(profile, type, listener, is_reliable);
+  if (!reader) fail(std::string("no reader of ") + profile.name + " can be made");
+  return reader;
+}
+
+dds::DataReader* DdsParticipant::createReaderIfPermitted(const TopicProfile& profile,
+                                                         dds::TopicDataType* type,
+                                                         dds::DataReaderListener* listener) {
+  if (keys_.empty()) return createReader(profile, type, listener);
+  const ScopedLogMute silence;  // a missing permission is no error here, but Fast DDS logs several
+  return makeReader(profile, type, listener, true);
+}
+
+dds::DataReader* DdsParticipant::makeReader(const TopicProfile& profile, dds::TopicDataType* type,
+                                            dds::DataReaderListener* listener, bool is_reliable) {
   dds::DataReaderQos qos;
   setCommon(qos, profile);
   if (!is_reliable) qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
@@ -459,11 +475,9 @@ dds::DataReader* DdsParticipant::createReader(const TopicProfile& profile, dds::
   if (profile.is_withdrawn)
     qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   dds::Subscriber* subscriber = profile.is_per_groom ? groom_subscriber_ : common_subscriber_;
-  dds::DataReader* reader = subscriber->create_datareader(topic(profile, type), qos, listener,
-                                                          dds::StatusMask::data_available()
-                                                              << dds::StatusMask::subscription_matched());
-  if (!reader) fail(std::string("no reader of ") + profile.name + " can be made");
-  return reader;
+  return subscriber->create_datareader(topic(profile, type), qos, listener,
+                                       dds::StatusMask::data_available()
+                                           << dds::StatusMask::subscription_matched());
 }
 
 }  // namespace strandcast

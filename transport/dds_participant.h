@@ -39,7 +39,7 @@ struct TopicProfile {
   bool is_withdrawn = false;  // writers dispose of their samples when they stop casting
 };
 extern const TopicProfile kGroomTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kCommandTopic,
-    kStatusTopic, kClaimTopic, kShowTopic;
+    kStatusTopic, kClaimTopic, kShowTopic, kReadersTopic;
 
 /// Transport and discovery of a participant.
 struct DdsNetwork {
@@ -80,12 +80,20 @@ class DdsParticipant {
                                                    eprosima::fastdds::dds::TopicDataType* type,
                                                    eprosima::fastdds::dds::DataReaderListener* listener,
                                                    bool is_reliable = true);
+  /// As createReader(); null where the participant has keys that do not permit the topic.
+  eprosima::fastdds::dds::DataReader* createReaderIfPermitted(
+      const TopicProfile& profile, eprosima::fastdds::dds::TopicDataType* type,
+      eprosima::fastdds::dds::DataReaderListener* listener);
 
  private:
   eprosima::fastdds::dds::DataWriter* makeWriter(const TopicProfile& profile,
                                                  eprosima::fastdds::dds::TopicDataType* type,
                                                  eprosima::fastdds::dds::DataWriterListener* listener,
                                                  uint32_t strength);
+  eprosima::fastdds::dds::DataReader* makeReader(const TopicProfile& profile,
+                                                 eprosima::fastdds::dds::TopicDataType* type,
+                                                 eprosima::fastdds::dds::DataReaderListener* listener,
+                                                 bool is_reliable);
   eprosima::fastdds::dds::Topic* topic(const TopicProfile& profile,
                                        eprosima::fastdds::dds::TopicDataType* type);
   [[noreturn]] void fail(const std::string& what);

@@ -14,6 +14,7 @@
 #include "transport/dds_claim.h"
 #include "transport/dds_participant.h"
 #include "transport/dds_type.h"
+#include "transport/reader_reports.h"
 #include "transport/versions.h"
 
 namespace strandcast {
@@ -41,6 +42,9 @@ class DdsPublisher final : public Publisher {
         status_listener_([this](Status& status, const auto& writer) { receive(status, writer); },
                          {.left = [this](const auto& writer) { others_.remove(writer); },
                           .disposed = [this](const auto& writer) { others_.remove(writer); }}),
+        report_listener_([this](ReaderReport& report, const auto&) {
+          if (report.groom_id == options_.groom_id) reports_.add(report);
+        }),
         show_listener_([this](ShowChunk& chunk, const auto&) { receive(chunk); }),
         state_shows_(options.groom_id, ShowChunk::kState),
         hair_shows_(options.groom_id, ShowChunk::kStateAndHair),
@@ -51,6 +55,7 @@ class DdsPublisher final : public Publisher {
     if (options.claim) claim_.emplace(options.groom_id, options.session, *options.claim, neighbours_);
     participant_.createReader(kStatusTopic, new WireType<Status>, &status_listener_);
     participant_.createReader(kCommandTopic, new WireType<Command>, &command_listener_);
+    participant_.createReaderIfPermitted(kReadersTopic, new WireType<ReaderReport>, &report_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new WireType<Status>, nullptr);
     groom_writer_ = participant_.createWriter(kGroomTopic, new WireType<GroomChunk>, nullptr);
     body_writer_ = participant_.createWriter(kBodiesTopic, new WireType<BodyChunk>, nullptr);
@@ -70,9 +75,8 @@ class DdsPublisher final : public Publisher {
   }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
-    AnnouncedGroom::Chunks chunks = announced_.chunksOf(groom, body);
-    if (claim_) shared_ = chunks;
-    if (!claim_ || announced_turn_ != 0) write(std::move(chunks));
+    described_ = announced_.chunksOf(groom, body);
+    if (!claim_ || announced_turn_ != 0) write(described_);
     announced_.accept(groom);
   }
 
@@ -81,15 +85,15 @@ class DdsPublisher final : public Publisher {
     ColliderSet own = colliders;
     own.groom_id = options_.groom_id;
     own.session = options_.session;
-    std::vector<ColliderChunk> chunks = splitColliders(own);
-    if (claim_) shared_colliders_ = chunks;
-    if (!claim_ || announced_turn_ != 0) write(std::move(chunks));
+    described_colliders_ = splitColliders(own);
+    if (!claim_ || announced_turn_ != 0) write(described_colliders_);
   }
 
   void publish(const GuideFrame& frame) override {
     // Not earlier: a claim silences the casting daemon, and only now are there frames to replace its own
     if (claim_) claim_->claim();
     if (claim_ && !updateOwnership()) return;
+    repeatWhatReadersLack();
     sendHair();
     announced_.divide(frame, [this](GuideChunk& chunk) { guide_writer_->write(&chunk); });
   }
@@ -171,6 +175,11 @@ class DdsPublisher final : public Publisher {
   }
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
+  ReaderSummary readers() const override {
+    ReaderSummary summary = reports_.summary();
+    if (reports_.count() < readers_.matched()) summary.largest_pixels = -1;
+    return summary;
+  }
   EncodingReport encoding() const override { return announced_.encoding(); }
   std::optional<OtherVersion> otherVersion() const override {
     return neighbours_.otherVersion(options_.groom_id, false);
@@ -224,13 +233,20 @@ class DdsPublisher final : public Publisher {
     collider_chunks_ = replace(*collider_writer_, std::move(chunks), collider_chunks_);
   }
 
+  /// Fast DDS 2.9.1 sometimes does not deliver a late joiner all samples that are kept for it.
+  void repeatWhatReadersLack() {
+    const uint32_t overdue = reports_.takeOverdue();
+    if ((overdue & ReaderReport::kGroomAndBody) != 0) write(described_);
+    if ((overdue & ReaderReport::kColliders) != 0) write(described_colliders_);
+  }
+
   /// Whether this daemon holds the claim. On a change, announces or withdraws the groom: late joiners must
   /// get that of the casting daemon only.
   bool updateOwnership() {
     const uint64_t turn = claim_->turn();
     if (turn != announced_turn_) {
-      write(turn != 0 ? shared_ : AnnouncedGroom::Chunks());
-      write(turn != 0 ? shared_colliders_ : std::vector<ColliderChunk>());
+      write(turn != 0 ? described_ : AnnouncedGroom::Chunks());
+      write(turn != 0 ? described_colliders_ : std::vector<ColliderChunk>());
       announced_turn_ = turn;
     }
     if (turn == 0 && has_status_) withdrawStatus();
@@ -288,14 +304,17 @@ class DdsPublisher final : public Publisher {
   StatusBoard others_;  // of this groom
   AnnouncedGroom announced_;
   uint32_t groom_chunks_ = 0, body_chunks_ = 0, collider_chunks_ = 0;
-  AnnouncedGroom::Chunks shared_;  // announced when this daemon takes over
-  std::vector<ColliderChunk> shared_colliders_;
+  // Last announced, or to be announced when this daemon takes over
+  AnnouncedGroom::Chunks described_;
+  std::vector<ColliderChunk> described_colliders_;
   uint64_t announced_turn_ = 0;  // DdsClaim::turn() of the last announcement
   bool has_status_ = false;      // whether readers have a status of this session
   // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter readers_;
   SampleListener<Command> command_listener_;
   SampleListener<Status> status_listener_;
+  ReaderReports reports_;
+  SampleListener<ReaderReport> report_listener_;
   MatchCounter sharers_;
   std::mutex show_mutex_;  // guards the shows received
   SampleListener<ShowChunk> show_listener_;

@@ -1,17 +1,12 @@
 #include "transport/receiving_subscriber.h"
 
 #include <cmath>
+#include <random>
 
 #include "transport/metrics.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
-
-bool isSound(const ReaderReport& report) {
-  const auto is_finite = [](auto... numbers) { return (std::isfinite(numbers) && ...); };
-  return report.reader != 0 && (report.pixels == -1 || (report.pixels >= 0 && report.pixels <= 1e6f)) &&
-         report.rate >= 0 && is_finite(report.rate, report.latency_ms_p50, report.latency_ms_p99);
-}
 
 std::optional<Status> ReceivingSubscriber::status() const {
   const auto own = queue_.groom();
@@ -69,14 +64,39 @@ bool ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& wr
   return is_taken;
 }
 
-void ReceivingSubscriber::describe(ReaderReport& report) const {
-  const auto shown = frame();
+uint64_t ReceivingSubscriber::newReaderId() {
+  std::random_device random;
+  return 1 | random() | static_cast<uint64_t>(random()) << 32;
+}
+
+void ReceivingSubscriber::setPictures(float pixels, float rate) {
+  const std::lock_guard lock(mutex_);
+  pixels_ = pixels;
+  rate_ = rate;
+}
+
+ReaderReport ReceivingSubscriber::report() const {
+  ReaderReport report;
+  report.reader = reader_id_;
+  report.groom_id = groom_id_;
+  if (const auto shown = frame()) report.session = shown->session;
   const ReceiveStatistics received = statistics();
-  report.session = shown ? shown->session : 0;
   report.frames_received = received.frames_received;
   report.frames_lost = received.frames_lost;
   report.latency_ms_p50 = static_cast<float>(received.latency_ms_p50);
   report.latency_ms_p99 = static_cast<float>(received.latency_ms_p99);
+  report.wants =
+      (groom() && body() ? 0u : ReaderReport::kGroomAndBody) | (colliders() ? 0u : ReaderReport::kColliders);
+  const std::lock_guard lock(mutex_);
+  report.pixels = pixels_;
+  report.rate = rate_;
+  return report;
+}
+
+bool ReceivingSubscriber::isUrgent(const ReaderReport& last, const ReaderReport& now) {
+  const bool is_seen_otherwise = (last.pixels > 0) != (now.pixels > 0);
+  return last.wants != now.wants || is_seen_otherwise ||
+         std::abs(now.pixels - last.pixels) > 0.1f * std::abs(last.pixels);
 }
 
 void ReceivingSubscriber::countDamagedMessage() {

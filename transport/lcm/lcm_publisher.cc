@@ -17,6 +17,7 @@
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/publisher.h"
+#include "transport/reader_reports.h"
 #include "transport/versions.h"
 
 namespace strandcast {
@@ -29,7 +30,7 @@ constexpr milliseconds kCarouselPeriod{1000}, kStatusPeriod{500}, kRepeatAtMost{
 /// Chunks of the description per burst; a gigabit network sustains this rate.
 constexpr size_t kBurst = 4;
 constexpr milliseconds kBetweenBursts{2};
-constexpr size_t kAnswersKept = 256, kMaxReaders = 4096;
+constexpr size_t kAnswersKept = 256;
 /// The last message of a publisher is repeated, because nothing is acknowledged.
 constexpr int kFinalStatusRepeats = 3;
 
@@ -121,11 +122,8 @@ class LcmPublisher final : public Publisher {
 
   std::optional<Command> takeCommand() override { return commands_.take(); }
 
-  uint32_t matchedReaders() const override {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(readers_, [now = Clock::now()](const auto& r) { return now - r.second > kLcmSilence; });
-    return static_cast<uint32_t>(readers_.size());
-  }
+  uint32_t matchedReaders() const override { return static_cast<uint32_t>(reports_.count()); }
+  ReaderSummary readers() const override { return reports_.summary(); }
 
   EncodingReport encoding() const override { return announced_.encoding(); }
 
@@ -165,10 +163,9 @@ class LcmPublisher final : public Publisher {
     ReaderReport report;
     if (const auto other = versionOfMessage(message, false)) return note(*other);
     if (!fromBytes(message, report) || report.groom_id != options_.groom_id || !isSound(report)) return;
-    const std::lock_guard lock(mutex_);
-    if (readers_.size() < kMaxReaders || readers_.contains(report.reader))
-      readers_[report.reader] = Clock::now();
+    reports_.add(report);
     if (report.wants == 0) return;
+    const std::lock_guard lock(mutex_);
     is_asked_ = true;
     repeat_due_ = std::min(repeat_due_, repeated_ + kRepeatAtMost);
     wake_.notify_all();
@@ -255,6 +252,7 @@ class LcmPublisher final : public Publisher {
   CommandQueue commands_;
   AnnouncedGroom announced_;
   std::vector<uint8_t> guide_message_;
+  ReaderReports reports_;
 
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable wake_;
@@ -265,8 +263,7 @@ class LcmPublisher final : public Publisher {
   std::vector<uint8_t> status_message_;
   std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that answered it
   std::deque<uint64_t> answered_;                     // keys of answers_, oldest first
-  mutable std::map<uint64_t, Clock::time_point> readers_;
-  std::optional<ConflictingDaemon> conflicting_;  // the last one heard
+  std::optional<ConflictingDaemon> conflicting_;      // the last one heard
   Clock::time_point conflict_heard_{};
   std::optional<OtherVersion> other_;  // a reader's, the last one heard
   Clock::time_point other_heard_{};

@@ -3,7 +3,6 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
-#include <random>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -38,8 +37,6 @@ class LcmSubscriber final : public ReceivingSubscriber {
         options_(options),
         channels_(options.groom_id),
         link_(std::move(link)) {
-    report_.reader = 1 | std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
-    report_.groom_id = options.groom_id;
     const MessageLink::Channel status{channels_.status, [this](auto message) { receiveStatus(message); }};
     if (!options.frames) {
       subscriptions_ = link_->listen({status});
@@ -180,25 +177,30 @@ class LcmSubscriber final : public ReceivingSubscriber {
     wake_.notify_all();
   }
 
-  uint32_t wants() {
-    const bool lacks_groom = std::exchange(lacks_groom_, false) || !groom() || !body();
-    return (lacks_groom ? ReaderReport::kGroomAndBody : 0u) | (!colliders() ? ReaderReport::kColliders : 0u);
-  }
-
   void sendReports() {
     std::vector<uint8_t> message;
     std::unique_lock lock(report_mutex_);
-    while (!stop_) {
-      report_.wants = wants();
-      lock.unlock();  // receiveGuides() has the lock that describe() takes, and takes this one
-      describe(report_);
-      toBytes(report_, message);
+    for (ReaderReport sent; !stop_;) {
+      const bool lacks_groom = std::exchange(lacks_groom_, false);
+      lock.unlock();  // receiveGuides() has the lock that report() takes, and takes this one
+      sent = report();
+      if (lacks_groom) sent.wants |= ReaderReport::kGroomAndBody;
+      toBytes(sent, message);
       link_->send(channels_.reader, message);
       lock.lock();
-      // A report that asks is followed by the next after kRequestPeriod; a complete reader asks as soon as it
-      // lacks something.
-      wake_.wait_for(lock, report_.wants != 0 ? kRequestPeriod : kReportPeriod,
-                     [&] { return stop_ || (lacks_groom_ && report_.wants == 0); });
+      if (sent.wants != 0) {
+        wake_.wait_for(lock, kRequestPeriod, [&] { return stop_; });
+        continue;
+      }
+      // A complete reader asks as soon as it lacks something.
+      const Clock::time_point due = Clock::now() + kReportPeriod;
+      while (!stop_ && !lacks_groom_ && Clock::now() < due) {
+        wake_.wait_for(lock, kRequestPeriod);
+        lock.unlock();
+        const bool is_urgent = isUrgent(sent, report());
+        lock.lock();
+        if (is_urgent) break;
+      }
     }
   }
 
@@ -211,7 +213,6 @@ class LcmSubscriber final : public ReceivingSubscriber {
 
   std::mutex report_mutex_;  // guards all below
   std::condition_variable wake_;
-  ReaderReport report_;
   bool lacks_groom_ = false, stop_ = false;
 
   std::shared_ptr<MessageLink> link_;

@@ -41,15 +41,16 @@ std::string rules(KeyRole role) {
   switch (role) {
     case KeyRole::kDaemon:
       return ofGrooms("publish", {"groom", "bodies", "colliders", "guides", "claim", "show"}) +
-             criteria("publish", "status", "") + ofGrooms("subscribe", {"command", "claim", "show"}) +
-             hears_status;
+             criteria("publish", "status", "") +
+             ofGrooms("subscribe", {"command", "claim", "show", "readers"}) + hears_status;
     case KeyRole::kRenderer:
-      return ofGrooms("publish", {"command"}) +
+      return ofGrooms("publish", {"command", "readers"}) +
              ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;
     case KeyRole::kReader:
       break;
   }
-  return ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;
+  return ofGrooms("publish", {"readers"}) +
+         ofGrooms("subscribe", {"groom", "bodies", "colliders", "guides"}) + hears_status;
 }
 
 std::string timeText(std::time_t time) {
