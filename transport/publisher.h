@@ -50,6 +50,14 @@ struct StepPoses {
   PoseSamples poses;
 };
 
+/// What the readers of a groom reported.
+struct ReaderSummary {
+  /// Diameter of the hair's bounding sphere in the largest picture of all readers; 0: in no picture; -1: some
+  /// reader did not tell, or none reports
+  float largest_pixels = -1;
+  uint64_t frames_lost = 0;  ///< sum over the present readers, since the start of each
+};
+
 /// Among daemons that share a groom: which one casts.
 enum class CastingState {
   kUnshared,   ///< the daemon does not share its groom
@@ -96,6 +104,7 @@ class Publisher {
   virtual void recordPoses(const StepPoses&) {}
   /// Number of readers of the guides: matched (DDS), or heard within 3 s (LCM).
   virtual uint32_t matchedReaders() const = 0;
+  virtual ReaderSummary readers() const { return {}; }
   /// Size and error of the newest frame as encoded; empty in-process, where nothing is encoded.
   virtual EncodingReport encoding() const = 0;
   /// A rival, if one was heard. Of several, one that casts; else the one of the lowest session. A publisher
@@ -140,6 +149,8 @@ class Publisher {
   /// The newest show of the daemon that casts, each once: first the newest with hair, then the newest
   /// without.
   virtual std::optional<Show> takeShow() { return std::nullopt; }
+  /// A program of another version of the wire that wants this groom, if one is known.
+  virtual std::optional<OtherVersion> otherVersion() const { return std::nullopt; }
   /// Why published data could not be written to an LCM log; empty while nothing failed. The failure was
   /// logged once.
   virtual std::string failure() const { return {}; }

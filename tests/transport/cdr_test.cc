@@ -31,6 +31,7 @@ void forEachMessage(const Check& check) {
   both(std::type_identity<GuideChunk>());
   both(std::type_identity<Command>());
   both(std::type_identity<Status>());
+  both(std::type_identity<ReaderReport>());
   both(std::type_identity<Claim>());
   both(std::type_identity<ShowChunk>());
 }

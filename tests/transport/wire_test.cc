@@ -90,6 +90,7 @@ TEST(Wire, BytesAndKeysAreTheGoldenOnes) {
   expectGolden<Command>();
   expectGolden<Status>();
   expectGolden<ShowChunk>();
+  expectGolden<ReaderReport>();
   expectGolden<Claim>();
 }
 
