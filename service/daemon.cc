@@ -86,6 +86,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
   groom_.hair_radius = controlled_.simulation.parameters().hair_radius;
   groom_.guides = std::move(scene.groom.strands);
   hairs_ = described(std::move(scene.hairs));
+  if (hairs_.hairs.strands() > 0) groom_.growth = GroomDescription::kHairs;
   body_.groom_id = settings.groom_id;
   body_.session = session;
   body_.mesh = std::move(scene.body);

@@ -257,6 +257,7 @@ class DdsPublisher final : public Publisher {
   void repeatWhatReadersLack() {
     const uint32_t overdue = reports_.takeOverdue();
     if ((overdue & ReaderReport::kGroomAndBody) != 0) write(described_);
+    if ((overdue & ReaderReport::kHairs) != 0) write(described_hairs_);
     if ((overdue & ReaderReport::kColliders) != 0) write(described_colliders_);
   }
 

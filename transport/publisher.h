@@ -77,9 +77,10 @@ class Publisher {
   /// do not match, non-finite numbers, a strand of more than kMaxWireVertices vertices.
   virtual void announce(const GroomDescription& groom, const BodyDescription& body) = 0;
   /// Describes hairs that follow the guides of the groom announced last to all present and later readers,
-  /// until the next announce(). The channel sets `groom_id`, `revision` and `session`. Decoded positions are
-  /// within CodecOptions::hair_error. Throws Error as checkHairs() and encodeHairs()
-  /// (transport/codec/hair_codec.h), and where no groom was announced.
+  /// until the next announce(). Readers wait for them where the groom's growth has kHairs. The channel sets
+  /// `groom_id`, `revision` and `session`. Decoded positions are within CodecOptions::hair_error. Throws
+  /// Error as checkHairs() and encodeHairs() (transport/codec/hair_codec.h), and where no groom was
+  /// announced.
   virtual void announceHairs(const HairDescription&) {}
   /// Describes the colliders to all present and later readers. Call again, with a higher revision, when they
   /// change. Poses of colliders that do not follow the head are in the frames. The channel sets `groom_id`

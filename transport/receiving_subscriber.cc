@@ -92,8 +92,10 @@ ReaderReport ReceivingSubscriber::report() const {
   report.frames_lost = received.frames_lost;
   report.latency_ms_p50 = static_cast<float>(received.latency_ms_p50);
   report.latency_ms_p99 = static_cast<float>(received.latency_ms_p99);
-  report.wants =
-      (groom() && body() ? 0u : ReaderReport::kGroomAndBody) | (colliders() ? 0u : ReaderReport::kColliders);
+  const auto own = groom();
+  const bool has_hairs = !own || (own->growth & GroomDescription::kHairs) == 0 || hairs();
+  report.wants = (own && body() ? 0u : ReaderReport::kGroomAndBody) |
+                 (has_hairs ? 0u : ReaderReport::kHairs) | (colliders() ? 0u : ReaderReport::kColliders);
   const std::lock_guard lock(mutex_);
   report.pixels = pixels_;
   report.rate = rate_;

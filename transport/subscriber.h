@@ -71,7 +71,8 @@ class Subscriber {
   /// As waitForFrame(), after the frame `last`. Null, or a frame of another session, stands for 0.
   virtual std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last,
                                                         std::chrono::milliseconds timeout) = 0;
-  /// Waits for groom and body of one session and revision; false on timeout.
+  /// Waits for groom and body of one session and revision and, where the groom's growth has kHairs, for its
+  /// hairs; false on timeout.
   virtual bool waitForGroom(std::chrono::milliseconds timeout) = 0;
   /// Newest status of this subscriber's groom; `strands` is 0 until its daemon casts. Empty before the first
   /// status, and after the daemon has ended: at once when it says so (DDS), else after 3 s of silence.

@@ -26,6 +26,7 @@ void forEachMessage(const Check& check) {
     check(Message(), std::string(" empty"));
   };
   both(std::type_identity<GroomChunk>());
+  both(std::type_identity<HairChunk>());
   both(std::type_identity<BodyChunk>());
   both(std::type_identity<ColliderChunk>());
   both(std::type_identity<GuideChunk>());

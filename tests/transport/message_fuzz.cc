@@ -92,9 +92,9 @@ struct CdrType {
   size_t (*use)(std::span<const uint8_t> bytes);
 };
 const CdrType kCdrTypes[] = {
-    {"groom", useCdr<GroomChunk>},        {"hairs", useCdr<HairChunk>},   {"body", useCdr<BodyChunk>},
-    {"colliders", useCdr<ColliderChunk>}, {"guides", useCdr<GuideChunk>}, {"pose", useCdr<PoseSamples>},
-    {"command", useCdr<Command>},         {"status", useCdr<Status>},     {"claim", useCdr<Claim>},
+    {"groom", useCdr<GroomChunk>},        {"hairs", useCdr<HairChunk>},    {"body", useCdr<BodyChunk>},
+    {"colliders", useCdr<ColliderChunk>}, {"guides", useCdr<GuideChunk>},  {"pose", useCdr<PoseSamples>},
+    {"command", useCdr<Command>},         {"status", useCdr<Status>},      {"claim", useCdr<Claim>},
     {"show", useCdr<ShowChunk>},          {"reader", useCdr<ReaderReport>}};
 
 ReaderReport sampleReport() {
@@ -117,8 +117,7 @@ size_t fuzzMessages(const uint8_t* data, size_t size) {
   const std::span<const uint8_t> bytes(data, size);
   size_t read = useLcm<GroomChunk>(bytes) + useLcm<BodyChunk>(bytes) + useLcm<ColliderChunk>(bytes) +
                 useLcm<HairChunk>(bytes) + useLcm<GuideChunk>(bytes) + useLcm<PoseSamples>(bytes) +
-                useLcm<Command>(bytes) +
-                useLcm<ReaderReport>(bytes) + useLcm<Status>(bytes);
+                useLcm<Command>(bytes) + useLcm<ReaderReport>(bytes) + useLcm<Status>(bytes);
   if (const auto show = showOf(bytes)) ++read, use(*show);
   return read;
 }

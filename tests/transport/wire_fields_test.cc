@@ -152,6 +152,7 @@ void expectGoldenLcm(const std::string& name) {
 
 TEST(WireFields, GiveTheGoldenBytesOfLcm) {
   expectGoldenLcm<GroomChunk>("GroomChunk");
+  expectGoldenLcm<HairChunk>("HairChunk");
   expectGoldenLcm<BodyChunk>("BodyChunk");
   expectGoldenLcm<ColliderChunk>("ColliderChunk");
   expectGoldenLcm<GuideChunk>("GuideChunk");

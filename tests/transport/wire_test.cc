@@ -84,6 +84,7 @@ void expectGolden() {
 
 TEST(Wire, BytesAndKeysAreTheGoldenOnes) {
   expectGolden<GroomChunk>();
+  expectGolden<HairChunk>();
   expectGolden<BodyChunk>();
   expectGolden<ColliderChunk>();
   expectGolden<GuideChunk>();
