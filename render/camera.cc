@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strandcast {
 
@@ -55,6 +56,13 @@ std::optional<PicturePoint> projected(const Camera& camera, const Vec3& point, f
   const float focal = 1 / std::tan(0.5f * camera.vertical_fov);
   return PicturePoint{0.5f + 0.5f * focal / aspect * eye.x() / -eye.z(),
                       0.5f - 0.5f * focal * eye.y() / -eye.z(), aspect};
+}
+
+float heightsInPicture(const Camera& camera, const Box& box) {
+  const float radius = 0.5f * box.diagonal().norm(), distance = (box.center() - camera.eye).norm();
+  if (!(distance > radius)) return std::numeric_limits<float>::infinity();
+  const float tangent = radius / std::sqrt(distance * distance - radius * radius);
+  return tangent / std::tan(0.5f * camera.vertical_fov);
 }
 
 ViewVolume::ViewVolume(const Eigen::Matrix4f& view_projection) {

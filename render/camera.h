@@ -38,6 +38,10 @@ struct PicturePoint {
 /// Projects a point of the world into the picture; empty behind the camera.
 std::optional<PicturePoint> projected(const Camera& camera, const Vec3& point, float aspect);
 
+/// Diameter of the bounding sphere of `box` in heights of the picture, wherever in the picture it is;
+/// infinite where the eye is in the sphere.
+float heightsInPicture(const Camera& camera, const Box& box);
+
 /// The view frustum of a camera or light as six planes (Gribb and Hartmann 2001).
 class ViewVolume {
  public:

@@ -198,7 +198,7 @@ struct Renderer::Impl {
     const bool any_bound = bound.hairs.strands() > 0;
     hair->setHairs({}, settings.growth);
     nodes->setGroom(rest_guides, any_bound);
-    std::vector<Hair> hairs = growHairs(rest_guides, settings.growth);
+    std::vector<Hair> hairs = growHairs(rest_guides, settings.growth, seeded);
     min_segments = minSegments(rest_guides, settings, hairs);
     std::unique_ptr<BoundHairs> shapes;
     statistics.hairs_bound = 0;
@@ -520,7 +520,8 @@ struct Renderer::Impl {
   gl::Buffer scene_buffer;
   float widest_line = 1;
   StrandSet rest_guides;
-  std::vector<Vec3> guides;  // of the newest frame that matched the groom
+  std::vector<uint8_t> seeded;  // per guide, 1: hair from the seed may follow it; empty: all
+  std::vector<Vec3> guides;     // of the newest frame that matched the groom
   Pose head;
   PlausibleBounds place;
   std::vector<PlacedCollider> colliders;
@@ -560,9 +561,13 @@ const RenderSettings& Renderer::settings() const { return impl_->settings; }
 
 void Renderer::setGroom(const GroomDescription& groom) {
   const StrandSet& guides = groom.guides;
-  if (guides.offsets.empty() || guides.offsets.back() != guides.positions.size())
+  if (guides.offsets.empty() || guides.offsets.back() != guides.positions.size() ||
+      (!groom.seeded.empty() && groom.seeded.size() != guides.strands()))
     throw Error("a groom is damaged", groom.name, "its strands and its vertices do not fit together");
   impl_->rest_guides = guides;
+  impl_->seeded = (groom.growth & GroomDescription::kFromSeed) != 0
+                      ? groom.seeded
+                      : std::vector<uint8_t>(guides.strands(), 0);
   impl_->hair_radius = groom.hair_radius;
   impl_->bound = {};
   impl_->placeHair();

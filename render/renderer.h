@@ -50,7 +50,7 @@ class Renderer {
   void setSettings(const RenderSettings& settings);
   const RenderSettings& settings() const;  ///< clamped
   /// Grows the hair: chooses the guides that each hair follows. Call again when the groom changes. An empty
-  /// groom draws no hair. Forgets bound hairs.
+  /// groom draws no hair, and one without kFromSeed in its growth none from the seed. Forgets bound hairs.
   void setGroom(const GroomDescription& groom);
   /// Hairs that are bound to the groom's guides, drawn beside those that grow from the seed. Without hairs
   /// there are none. Throws Error where they do not fit the groom.

@@ -86,6 +86,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
   groom_.hair_radius = controlled_.simulation.parameters().hair_radius;
   groom_.guides = std::move(scene.groom.strands);
   hairs_ = described(std::move(scene.hairs));
+  if (hairs_.hairs.strands() > 0) groom_.growth = GroomDescription::kHairs;
   body_.groom_id = settings.groom_id;
   body_.session = session;
   body_.mesh = std::move(scene.body);
@@ -159,6 +160,10 @@ void Daemon::publishFrame() {
 void Daemon::publishStatus() {
   report_.setParameters(controlled_.table());
   report_.setPoses(controlled_.poses.metrics(static_cast<int64_t>(steadyTime())));
+  const ReaderSummary readers = publisher_.readers();
+  report_.metrics().rate = settings_.rate;
+  report_.metrics().largest_pixels = readers.largest_pixels;
+  report_.metrics().readers_lost = static_cast<double>(readers.frames_lost);
   report_.measure();
   report_.setChannel(publisher_.matchedReaders(), publisher_.encoding());
   publisher_.publishStatus(status());
@@ -233,6 +238,7 @@ DaemonSummary Daemon::run(const std::atomic<bool>& stop) {
     const double cost_ms = cost.milliseconds();
     const Clock::time_point now = Clock::now();
     if (now >= status_due) {
+      report_.metrics().frames_late = static_cast<double>(pacer.lateFrames());
       publishStatus();
       status_due =
           now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStatusInterval));

@@ -144,6 +144,7 @@ void Replay::publish(double elapsed) {
   // Simulation time advances as a viewer sees it: at twice the speed, half the time per frame.
   frame_.simulation_time += elapsed;
   frame_.publish_time = systemTime();
+  frame_.continuity = read_.frame->continuity;
   frame_.head = read_.frame->head;
   frame_.positions = read_.frame->positions;
   publisher_.publish(frame_);

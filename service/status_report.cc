@@ -61,6 +61,7 @@ void StatusReport::measure() {
   status_.max_stretch = std::max(status_.max_stretch, measured.max_stretch);
   status_.max_penetration = std::max(status_.max_penetration, measured.max_penetration);
   status_.non_finite = measured.non_finite;
+  status_.metrics = metricTable(metrics_);
 }
 
 void StatusReport::reset() {

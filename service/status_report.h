@@ -7,6 +7,7 @@
 #include "core/simulation.h"
 #include "service/live_poses.h"
 #include "transport/messages.h"
+#include "transport/metrics.h"
 
 namespace strandcast {
 
@@ -24,6 +25,8 @@ class StatusReport {
   const PoseMetrics& poses() const { return poses_; }
   void setFrames(uint64_t frames) { status_.frames = frames; }
   void setChannel(uint32_t readers, const EncodingReport& encoding);
+  /// Are in the status from the next measure() on.
+  Metrics& metrics() { return metrics_; }
   void setTime() { status_.simulation_time = simulation_.time(); }
   /// The answer to a command; an empty refusal means that it was executed.
   void setAnswer(uint64_t command, const std::string& refusal);
@@ -41,6 +44,7 @@ class StatusReport {
   Simulation& simulation_;
   Status status_;
   PoseMetrics poses_;
+  Metrics metrics_;
   Measurement measured_;  ///< of the first strands_measured_ strands, since the last measure()
   size_t strands_measured_ = 0;
   std::vector<double> step_ms_;  ///< durations of the newest steps, a ring

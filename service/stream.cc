@@ -11,6 +11,7 @@
 #include "options/scene_loading.h"
 #include "service/network.h"
 #include "transport/in_process.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 
@@ -53,6 +54,10 @@ Stream::Stream(const Settings& settings, bool here, double timeout, SimulationOb
     if (g_interrupted) throw Interrupted();
     found = subscriber().waitForGroom(kPollInterval);
   }
+  if (const auto other = subscriber().otherVersion(); other && !found)
+    throw Error("no daemon of this wire version publishes this groom",
+                fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
+                warningOf(*other, settings.groom_id, networkName(settings)));
   if (!found)
     throw Error("no daemon publishes this groom",
                 fmt::format("groom {} on {}", settings.groom_id, networkName(settings)),
@@ -138,6 +143,7 @@ void FrameCapture::run() {
     if (!frame && has_ended) break;
     if (!frame) continue;
     const bool fits_last = last && !is_other && last->revision == frame->revision &&
+                           last->continuity == frame->continuity &&
                            last->positions.size() == frame->positions.size();
     const auto before = std::exchange(last, frame);
     if (is_other) start = -1;

@@ -31,12 +31,13 @@ struct StreamScene {
     return {subscriber.groom(), subscriber.body(), subscriber.hairs()};
   }
 
-  /// Whether groom and body have arrived and match the frame's session and revision.
+  /// Whether all that is drawn has arrived and matches the frame's session and revision.
   bool fits(const GuideFrame& frame) const {
     const auto is_of_it = [&](const auto& description) {
       return description && description->session == frame.session && description->revision == frame.revision;
     };
-    return is_of_it(groom) && is_of_it(body);
+    return is_of_it(groom) && is_of_it(body) &&
+           ((groom->growth & GroomDescription::kHairs) == 0 || is_of_it(hairs));
   }
   bool operator==(const StreamScene&) const = default;
 };

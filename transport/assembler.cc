@@ -58,16 +58,19 @@ bool isSoundAlone(const GroomChunk& chunk) {
     vertices += count;
   }
   const auto has = [&](uint32_t bit) { return (chunk.arrays & bit) != 0; };
-  return hasSoundHeader(chunk) && chunk.arrays < 16 && strands >= 1 &&
-         bytesOf(chunk.vertex_counts, chunk.positions, chunk.pinned, chunk.radii, chunk.uvs, chunk.parts) <=
-             kMaxChunkBytes &&
+  return hasSoundHeader(chunk) && chunk.arrays < 64 && chunk.growth >= 1 && chunk.growth < 8 &&
+         strands >= 1 &&
+         bytesOf(chunk.vertex_counts, chunk.positions, chunk.pinned, chunk.radii, chunk.uvs, chunk.parts,
+                 chunk.seeded, chunk.ids) <= kMaxChunkBytes &&
          isWithin(chunk.first_strand, strands, chunk.total_strands) &&
          isWithin(chunk.first_vertex, vertices, chunk.total_vertices) &&
          chunk.positions.size() == 3 * vertices &&
          hasLength(chunk.pinned, has(GroomChunk::kPinned), vertices) &&
          hasLength(chunk.radii, has(GroomChunk::kRadii), vertices) &&
          hasLength(chunk.uvs, has(GroomChunk::kUvs), 2 * strands) &&
-         hasLength(chunk.parts, has(GroomChunk::kParts), strands) && isHairRadius(chunk.hair_radius) &&
+         hasLength(chunk.parts, has(GroomChunk::kParts), strands) &&
+         hasLength(chunk.seeded, has(GroomChunk::kSeeded), strands) &&
+         hasLength(chunk.ids, has(GroomChunk::kIds), strands) && isHairRadius(chunk.hair_radius) &&
          allFinite(chunk.positions) && allFinite(chunk.radii) &&
          std::all_of(chunk.radii.begin(), chunk.radii.end(), [](float r) { return r >= 0; }) &&
          allFinite(chunk.uvs);
@@ -75,8 +78,8 @@ bool isSoundAlone(const GroomChunk& chunk) {
 
 bool agree(const GroomChunk& a, const GroomChunk& b) {
   return a.chunk_count == b.chunk_count && a.total_strands == b.total_strands &&
-         a.total_vertices == b.total_vertices && a.hair_radius == b.hair_radius && a.arrays == b.arrays &&
-         a.name == b.name;
+         a.total_vertices == b.total_vertices && a.growth == b.growth && a.hair_radius == b.hair_radius &&
+         a.arrays == b.arrays && a.name == b.name;
 }
 
 /// Null unless the chunks are consecutive and make up the totals.
@@ -91,6 +94,8 @@ std::shared_ptr<const GroomDescription> build(const std::map<uint32_t, GroomChun
     append(guides.radii, chunk.radii);
     appendVectors(guides.uvs, chunk.uvs);
     append(guides.parts, chunk.parts);
+    append(groom->seeded, chunk.seeded);
+    append(groom->ids, chunk.ids);
   }
   const GroomChunk& first = chunks.begin()->second;
   if (guides.strands() != first.total_strands || guides.vertices() != first.total_vertices) return nullptr;
@@ -98,6 +103,7 @@ std::shared_ptr<const GroomDescription> build(const std::map<uint32_t, GroomChun
   groom->session = first.session;
   groom->revision = first.revision;
   groom->name = first.name;
+  groom->growth = first.growth;
   groom->hair_radius = first.hair_radius;
   return groom;
 }
@@ -180,9 +186,10 @@ std::shared_ptr<const BodyDescription> build(const std::map<uint32_t, BodyChunk>
 // ---- guides
 
 bool agree(const GuideChunk& a, const GuideChunk& b) {
-  return a.chunk_count == b.chunk_count && a.publish_time == b.publish_time &&
-         a.simulation_time == b.simulation_time && a.head_position == b.head_position &&
-         a.head_rotation == b.head_rotation;
+  return a.chunk_count == b.chunk_count && a.writers == b.writers && a.publish_time == b.publish_time &&
+         a.pose_source == b.pose_source && a.pose_time == b.pose_time &&
+         a.simulation_time == b.simulation_time && a.continuity == b.continuity &&
+         a.head_position == b.head_position && a.head_rotation == b.head_rotation;
 }
 
 /// Finite position and unit quaternion.
@@ -333,6 +340,7 @@ bool GuideAssembler::fits(const GuideChunk& chunk) const {
   if (chunk.groom_id != groom_->groom_id || chunk.session != groom_->session ||
       chunk.revision != groom_->revision || chunk.frame == 0 || chunk.chunk_index >= chunk.chunk_count ||
       chunk.chunk_count > kMaxChunks || chunk.chunk_count > guides.strands() || chunk.strand_count < 1 ||
+      chunk.writer >= chunk.writers || chunk.writers > kMaxWriters ||
       !isWithin(chunk.first_strand, chunk.strand_count, guides.strands())) {
     return false;
   }
@@ -361,7 +369,11 @@ GuideAssembler::Pending* GuideAssembler::pendingFor(const GuideChunk& chunk) {
   Pending& pending = pending_.emplace_front();
   pending.header.frame = chunk.frame;
   pending.header.chunk_count = chunk.chunk_count;
+  pending.header.writers = chunk.writers;
   pending.header.publish_time = chunk.publish_time;
+  pending.header.pose_source = chunk.pose_source;
+  pending.header.pose_time = chunk.pose_time;
+  pending.header.continuity = chunk.continuity;
   pending.header.simulation_time = chunk.simulation_time;
   pending.header.head_position = chunk.head_position;
   pending.header.head_rotation = chunk.head_rotation;
@@ -446,6 +458,9 @@ std::shared_ptr<const GuideFrame> GuideAssembler::release(std::list<Pending>::it
   frame.frame = header.frame;
   frame.simulation_time = header.simulation_time;
   frame.publish_time = header.publish_time;
+  frame.pose_source = header.pose_source;
+  frame.pose_time = header.pose_time;
+  frame.continuity = header.continuity;
   frame.arrival_time = steadyTime();
   frame.head.position = Vec3(header.head_position.data());
   frame.head.rotation.coeffs() = Eigen::Map<const Eigen::Vector4f>(header.head_rotation.data());

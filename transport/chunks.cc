@@ -48,6 +48,11 @@ void checkGroom(const GroomDescription& groom, const std::string& where) {
                   where, "resample it to fewer vertices");
     }
   }
+  const auto fits = [&](size_t size) { return size == 0 || size == guides.strands(); };
+  require(fits(groom.seeded.size()) && fits(groom.ids.size()), "an array of the groom has the wrong length",
+          where, "");
+  require(groom.growth >= 1 && groom.growth < 8, "the groom does not say what is drawn", where,
+          "give a sum of GroomDescription::Growth");
   require(isHairRadius(groom.hair_radius), "the hair's radius is not in 0 to 0.01 m", where,
           "give it in metres");
 }
@@ -68,6 +73,7 @@ void checkBody(const BodyDescription& body, const std::string& where) {
   }
 }
 
+/// Bytes of a groom's chunk per strand, without those of arrays that few grooms have.
 constexpr size_t kGroomBytesPerStrand = 4 + 8 + 2;
 constexpr size_t kGroomBytesPerVertex = 12 + 1 + 4;
 constexpr size_t kGuideBytesPerVertex = 12;
@@ -78,6 +84,12 @@ constexpr size_t kTrianglesPerBodyChunk = kMaxChunkBytes / 12;
 
 size_t chunksFor(size_t count, size_t per_chunk) { return (count + per_chunk - 1) / per_chunk; }
 
+std::vector<StrandRun> divideGroom(const GroomDescription& groom) {
+  const size_t bytes_per_strand =
+      kGroomBytesPerStrand + (groom.seeded.empty() ? 0 : 1) + (groom.ids.empty() ? 0 : 4);
+  return divideStrands(groom.guides.offsets, bytes_per_strand, kGroomBytesPerVertex);
+}
+
 }  // namespace
 
 void checkAnnouncement(const GroomDescription& groom, const BodyDescription& body, const std::string& where) {
@@ -85,8 +97,7 @@ void checkAnnouncement(const GroomDescription& groom, const BodyDescription& bod
   checkBody(body, where);
   const size_t body_chunks = chunksFor(body.mesh.positions.size(), kPositionsPerBodyChunk) +
                              chunksFor(body.mesh.triangles.size(), kTrianglesPerBodyChunk);
-  const size_t groom_chunks =
-      divideStrands(groom.guides.offsets, kGroomBytesPerStrand, kGroomBytesPerVertex).size();
+  const size_t groom_chunks = divideGroom(groom).size();
   require(groom_chunks <= kMaxChunks, "the groom is too large for the network", where,
           "publish fewer guides");
   require(body_chunks <= kMaxChunks, "the body is too large for the network", where, "use a coarser mesh");
@@ -121,8 +132,7 @@ std::vector<StrandRun> divideGuides(const StrandSet& guides) {
 
 std::vector<GroomChunk> splitGroom(const GroomDescription& groom) {
   const StrandSet& guides = groom.guides;
-  const std::vector<StrandRun> runs =
-      divideStrands(guides.offsets, kGroomBytesPerStrand, kGroomBytesPerVertex);
+  const std::vector<StrandRun> runs = divideGroom(groom);
   std::vector<GroomChunk> chunks(runs.size());
   for (uint32_t i = 0; i < runs.size(); ++i) {
     const StrandRun& run = runs[i];
@@ -136,11 +146,13 @@ std::vector<GroomChunk> splitGroom(const GroomDescription& groom) {
     chunk.total_vertices = static_cast<uint32_t>(guides.vertices());
     chunk.first_strand = run.first_strand;
     chunk.first_vertex = run.first_vertex;
+    chunk.growth = groom.growth;
     chunk.hair_radius = groom.hair_radius;
-    chunk.arrays = (guides.pinned.empty() ? 0u : GroomChunk::kPinned) |
-                   (guides.radii.empty() ? 0u : GroomChunk::kRadii) |
-                   (guides.uvs.empty() ? 0u : GroomChunk::kUvs) |
-                   (guides.parts.empty() ? 0u : GroomChunk::kParts);
+    chunk.arrays =
+        (guides.pinned.empty() ? 0u : GroomChunk::kPinned) |
+        (guides.radii.empty() ? 0u : GroomChunk::kRadii) | (guides.uvs.empty() ? 0u : GroomChunk::kUvs) |
+        (guides.parts.empty() ? 0u : GroomChunk::kParts) | (groom.seeded.empty() ? 0u : GroomChunk::kSeeded) |
+        (groom.ids.empty() ? 0u : GroomChunk::kIds);
     chunk.name = shortened(groom.name);
     chunk.vertex_counts.resize(run.strand_count);
     for (uint32_t s = 0; s < run.strand_count; ++s) {
@@ -151,6 +163,8 @@ std::vector<GroomChunk> splitGroom(const GroomDescription& groom) {
     chunk.radii = slice(guides.radii, run.first_vertex, run.vertex_count);
     if (!guides.uvs.empty()) chunk.uvs = floats(guides.uvs, run.first_strand, run.strand_count);
     chunk.parts = slice(guides.parts, run.first_strand, run.strand_count);
+    chunk.seeded = slice(groom.seeded, run.first_strand, run.strand_count);
+    chunk.ids = slice(groom.ids, run.first_strand, run.strand_count);
   }
   return chunks;
 }
@@ -198,6 +212,9 @@ void fillGuideHeader(const GuideFrame& frame, std::span<const StrandRun> runs, u
   chunk.session = frame.session;
   chunk.frame = frame.frame;
   chunk.publish_time = frame.publish_time;
+  chunk.pose_source = frame.pose_source;
+  chunk.pose_time = frame.pose_time;
+  chunk.continuity = frame.continuity;
   chunk.simulation_time = frame.simulation_time;
   chunk.groom_id = frame.groom_id;
   chunk.chunk_index = index;

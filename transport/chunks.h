@@ -43,7 +43,9 @@ size_t bytesOf(const std::vector<T>&... arrays) {
 /// Cut to kMaxTextBytes.
 inline std::string shortened(const std::string& text) { return text.substr(0, kMaxTextBytes); }
 
-/// How GuideChunk::payload encodes positions: docs/wire.md, "Payloads".
+inline constexpr uint32_t kMaxWriters = 1024;  ///< processes that write one frame
+
+/// How GuideChunk::payload encodes positions: docs/wire.md, "Payloads". Received numbers may be others.
 enum class Encoding : uint32_t {
   kFloat32 = 0,
   kDelta16 = 1,
@@ -54,10 +56,11 @@ enum class Encoding : uint32_t {
 
 /// A part of a groom: whole strands. Fields: docs/wire.md, "GroomChunk". Positions in m, groom frame.
 struct GroomChunk {
-  enum Arrays : uint32_t { kPinned = 1, kRadii = 2, kUvs = 4, kParts = 8 };
+  enum Arrays : uint32_t { kPinned = 1, kRadii = 2, kUvs = 4, kParts = 8, kSeeded = 16, kIds = 32 };
   uint64_t session = 0;
   uint32_t groom_id = 0, chunk_index = 0, chunk_count = 0, revision = 0;
   uint32_t total_strands = 0, total_vertices = 0, first_strand = 0, first_vertex = 0;
+  uint32_t growth = GroomDescription::kFromSeed;  ///< bits of GroomDescription::Growth
   float hair_radius = 0;
   uint32_t arrays = 0;  ///< bits of Arrays
   std::string name;
@@ -67,6 +70,8 @@ struct GroomChunk {
   std::vector<float> radii;             ///< per vertex or empty
   std::vector<float> uvs;               ///< 2 per strand or empty
   std::vector<uint16_t> parts;          ///< per strand or empty
+  std::vector<uint8_t> seeded;          ///< per strand or empty
+  std::vector<uint32_t> ids;            ///< per strand or empty
 };
 
 /// A part of the hairs that follow a groom's guides: whole hairs. Fields: docs/wire.md, "Hairs".
@@ -124,10 +129,12 @@ void bendNumbers(Bend& bend, const Take& take) {
 
 /// A part of a frame: whole strands. Fields: docs/wire.md, "GuideChunk".
 struct GuideChunk {
-  uint64_t session = 0, frame = 0, publish_time = 0;
+  uint64_t session = 0, frame = 0, publish_time = 0, pose_source = 0, pose_time = 0;
   double simulation_time = 0;
   uint32_t groom_id = 0, chunk_index = 0, chunk_count = 0, revision = 0;
   uint32_t first_strand = 0, strand_count = 0, first_vertex = 0, vertex_count = 0;
+  uint32_t writer = 0, writers = 1;  ///< which of how many processes wrote this chunk
+  uint32_t continuity = 0;
   std::array<float, 3> head_position{};
   std::array<float, 4> head_rotation{0, 0, 0, 1};
   uint64_t key_frame = 0;  ///< frame that the payload builds on; 0: it can be decoded alone

@@ -171,10 +171,13 @@ void Concealment::chooseCarrier(uint32_t strand, const Vec3& root) {
 }
 
 void Concealment::record(GuideFrame& frame, std::span<const StrandRun> received) {
-  const bool is_told = received.front().strand_count > 0;
+  const bool is_told = received.front().strand_count > 0, is_cut = frame.continuity != continuity_;
   if (is_told) {
+    if (is_cut) colliders_.clear();
+    continuity_ = frame.continuity;
     colliders_.record(frame.colliders, frame.simulation_time);
   } else {
+    if (is_cut) colliders_.stop();
     colliders_.extrapolate(frame.simulation_time, frame.colliders);
     fitParts(frame, received);
   }
@@ -186,7 +189,8 @@ void Concealment::record(GuideFrame& frame, std::span<const StrandRun> received)
       Strand& strand = strands_[s];
       strand.before = strand.last;
       strand.last = frame.simulation_time;
-      ++strand.count;
+      strand.count = strand.continuity == frame.continuity ? strand.count + 1 : 1;
+      strand.continuity = frame.continuity;
       strand.frame = frame.frame;
       const HeadFrame carrier = places_[strand.carrier];
       if (is_told && strand.carrier != 0) strand.root = carrier.toHead(root);
@@ -198,11 +202,12 @@ void Concealment::record(GuideFrame& frame, std::span<const StrandRun> received)
   }
 }
 
-void Concealment::extrapolate(uint32_t strand, double time, std::span<Vec3> out) const {
+void Concealment::extrapolate(uint32_t strand, const GuideFrame& frame, std::span<Vec3> out) const {
   const Strand& known = strands_[strand];
   const uint32_t first = offsets_[strand];
+  const bool moves = known.count >= 2 && known.continuity == frame.continuity;
   const auto ahead =
-      static_cast<float>(known.count >= 2 ? extrapolation(known.before, known.last, time) : 0.0);
+      static_cast<float>(moves ? extrapolation(known.before, known.last, frame.simulation_time) : 0.0);
   for (size_t i = 0; i < out.size(); ++i) {
     const Vec3& last = last_[first + i];
     Vec3 moved = last + ahead * (last - before_[first + i]);
@@ -227,7 +232,7 @@ bool Concealment::conceal(GuideFrame& frame) {
     if (known.count == 0) return false;
     if (known.frame == frame.frame) continue;
     const std::span<Vec3> strand(frame.positions.data() + offsets_[s], offsets_[s + 1] - offsets_[s]);
-    extrapolate(s, frame.simulation_time, strand);
+    extrapolate(s, frame, strand);
     for (Vec3& position : strand) {
       position = places_[known.carrier].toWorld(position);
       if (!position.allFinite()) return false;

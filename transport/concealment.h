@@ -27,6 +27,8 @@ inline double extrapolation(double before, double last, double now) {
 class ColliderMotion {
  public:
   void clear();
+  /// Forgets how they moved, not where they are.
+  void stop() { before_.clear(); }
   /// Records the colliders of a frame; time: simulation time, s.
   void record(std::span<const PlacedCollider> placed, double time);
   /// `out`: all colliders of the last frame that had poses.
@@ -39,8 +41,9 @@ class ColliderMotion {
 
 /// Estimates positions of lost strands. A strand is extrapolated along its last motion in the frame of its
 /// carrier, with its last edge lengths, for as long as extrapolation() says; then it stays at rest in that
-/// frame until it is received again. The carrier is the head or the part of a skinned body on which the
-/// strand's root lies at rest, whichever predicted the received root better.
+/// frame until it is received again. No motion goes across a cut (GuideFrame::continuity). The carrier is the
+/// head or the part of a skinned body on which the strand's root lies at rest, whichever predicted the
+/// received root better.
 class Concealment {
  public:
   /// Resets all motion. `guides`: rest shape, m, groom frame.
@@ -62,6 +65,7 @@ class Concealment {
     uint32_t part = 0;            // on which its root lies at rest: index into places_; 0 = none
     uint32_t carrier = 0;         // the part, or 0 for the head
     uint64_t frame = 0;
+    uint32_t continuity = 0;   // of that frame
     Vec3 root = Vec3::Zero();  // m, in the carrier's frame, from the newest frame that had the carrier's pose
   };
   /// Sums over the received roots of a part, for the fit of its pose.
@@ -74,7 +78,7 @@ class Concealment {
   void fitParts(GuideFrame& frame, std::span<const StrandRun> received);
   void chooseCarrier(uint32_t strand, const Vec3& root);
   void attachToHead(uint32_t strand, const HeadFrame& from);
-  void extrapolate(uint32_t strand, double time, std::span<Vec3> out) const;
+  void extrapolate(uint32_t strand, const GuideFrame& frame, std::span<Vec3> out) const;
 
   std::vector<uint32_t> offsets_;
   std::vector<Vec3> roots_;          // per strand, m, at rest
@@ -84,6 +88,7 @@ class Concealment {
   std::vector<HeadFrame> places_;  // pose of the head, then of the parts, in the newest frame
   std::vector<RootSums> sums_;     // per entry of places_
   ColliderMotion colliders_;
+  uint32_t continuity_ = 0;  // of colliders_
 };
 
 }  // namespace strandcast

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "transport/dds_participant.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -68,25 +69,73 @@ void DdsNeighbours::on_publisher_discovery(eprosima::fastdds::dds::DomainPartici
   Prefix prefix;
   std::copy_n(info.info.guid().guidPrefix.value, prefix.size(), prefix.begin());
   const bool claims = info.info.topicName() == kClaimTopic.name;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(prefix);
+    if (known == known_.end()) return;
+    known->second.has_writer = true;
+    if (claims) known->second.strength = info.info.m_qos.m_ownershipStrength.value;
+    if (!noteVersion(known->second, info.info, true)) return;
+  }
+  if (found_other_) found_other_();
+}
+
+void DdsNeighbours::on_subscriber_discovery(eprosima::fastdds::dds::DomainParticipant*,
+                                            eprosima::fastrtps::rtps::ReaderDiscoveryInfo&& info) {
+  using Discovery = eprosima::fastrtps::rtps::ReaderDiscoveryInfo;
+  if (info.status == Discovery::REMOVED_READER) return;
+  Prefix prefix;
+  std::copy_n(info.info.guid().guidPrefix.value, prefix.size(), prefix.begin());
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(prefix);
+    if (known == known_.end() || !noteVersion(known->second, info.info, false)) return;
+  }
+  if (found_other_) found_other_();
+}
+
+template <class Info>
+bool DdsNeighbours::noteVersion(Neighbour& neighbour, const Info& info, bool is_writer) {
+  const int version = versionOfType(info.typeName().to_string());
+  if (version == 0 || version == kWireVersion) return false;
+  neighbour.version = version;
+  const bool is_of_frames = info.topicName() == kGuidesTopic.name;
+  std::vector<std::string>* const partitions =
+      is_of_frames ? (is_writer ? &neighbour.casts : &neighbour.wants)
+      : is_writer && info.topicName() == kCommandTopic.name ? &neighbour.wants
+                                                            : nullptr;
+  if (partitions != nullptr) *partitions = info.m_qos.m_partition.names();
+  return partitions != nullptr;
+}
+
+std::optional<OtherVersion> DdsNeighbours::otherVersion(uint32_t groom_id, bool is_daemon) const {
+  const std::string partition = "groom" + std::to_string(groom_id);
   const std::lock_guard lock(mutex_);
-  const auto known = known_.find(prefix);
-  if (known == known_.end()) return;
-  known->second.has_writer = true;
-  if (claims) known->second.strength = info.info.m_qos.m_ownershipStrength.value;
+  for (const auto& [prefix, neighbour] : known_) {
+    const std::vector<std::string>& partitions = is_daemon ? neighbour.casts : neighbour.wants;
+    if (!neighbour.isOther() ||
+        std::find(partitions.begin(), partitions.end(), partition) == partitions.end())
+      continue;
+    const int version = neighbour.version < kWireVersion ? neighbour.version : 0;
+    return OtherVersion{is_daemon, version, version};
+  }
+  return std::nullopt;
 }
 
 size_t DdsNeighbours::possibleConflicts(uint32_t groom_id, bool own_claims) const {
   const std::lock_guard lock(mutex_);
   return static_cast<size_t>(std::count_if(known_.begin(), known_.end(), [&](const auto& known) {
     const std::optional<DdsRole>& role = known.second.role;
+    if (known.second.isOther()) return false;
     return !role || (role->is_daemon && role->groom_id == groom_id && !(own_claims && role->claims));
   }));
 }
 
 size_t DdsNeighbours::participantsWithoutRole() const {
   const std::lock_guard lock(mutex_);
-  return static_cast<size_t>(
-      std::count_if(known_.begin(), known_.end(), [](const auto& known) { return !known.second.role; }));
+  return static_cast<size_t>(std::count_if(known_.begin(), known_.end(), [](const auto& known) {
+    return !known.second.role && !known.second.isOther();
+  }));
 }
 
 bool DdsNeighbours::hasSilentDaemon(uint32_t groom_id, std::chrono::milliseconds finding,
@@ -95,7 +144,7 @@ bool DdsNeighbours::hasSilentDaemon(uint32_t groom_id, std::chrono::milliseconds
   const std::lock_guard lock(mutex_);
   return std::any_of(known_.begin(), known_.end(), [&](const auto& known) {
     const std::optional<DdsRole>& role = known.second.role;
-    return role && role->is_daemon && role->groom_id == groom_id &&
+    return role && role->is_daemon && role->groom_id == groom_id && !known.second.isOther() &&
            now - known.second.since > (role->claims ? claimant : finding);
   });
 }

@@ -105,6 +105,7 @@ const TopicProfile kPoseTopic{"strandcast/pose", false, 16, 64, true};
 const TopicProfile kCommandTopic{"strandcast/command", false, 64, 4, true};
 const TopicProfile kStatusTopic{"strandcast/status", true, 1, 1024, false, false, true};
 const TopicProfile kClaimTopic{"strandcast/claim", false, 1, 4, true, true};
+const TopicProfile kReadersTopic{"strandcast/readers", false, 1, 1024, true};
 const TopicProfile kShowTopic{"strandcast/show", false, 1, 2 * kMaxChunks, true};
 
 namespace {

@@ -44,7 +44,7 @@ struct TopicProfile {
   bool is_withdrawn = false;  // writers dispose of their samples when they stop casting
 };
 extern const TopicProfile kGroomTopic, kHairsTopic, kBodiesTopic, kCollidersTopic, kGuidesTopic, kPoseTopic,
-    kCommandTopic, kStatusTopic, kClaimTopic, kShowTopic;
+    kCommandTopic, kStatusTopic, kClaimTopic, kShowTopic, kReadersTopic;
 
 /// Transport and discovery of a participant.
 struct DdsNetwork {

@@ -1,4 +1,7 @@
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+#include <atomic>
 #include <deque>
 #include <iterator>
 #include <mutex>
@@ -12,6 +15,8 @@
 #include "transport/dds_participant.h"
 #include "transport/dds_type.h"
 #include "transport/pose_inbox.h"
+#include "transport/reader_reports.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -40,9 +45,13 @@ class DdsPublisher final : public Publisher {
                          {.left = [this](const auto& writer) { others_.remove(writer); },
                           .disposed = [this](const auto& writer) { others_.remove(writer); }}),
         pose_listener_([this](PoseSamples& samples, const auto&) { poses_.push(std::move(samples)); }),
+        report_listener_([this](ReaderReport& report, const auto&) {
+          if (report.groom_id == options_.groom_id) reports_.add(report);
+        }),
         show_listener_([this](ShowChunk& chunk, const auto&) { receive(chunk); }),
         state_shows_(options.groom_id, ShowChunk::kState),
         hair_shows_(options.groom_id, ShowChunk::kStateAndHair),
+        neighbours_([this] { warnOnce(); }),
         participant_(DdsNetwork(options), options.groom_id,
                      DdsRole{true, options.groom_id, options.claim.has_value()}, &neighbours_) {
     // Before the reader of statuses, whose thread uses it.
@@ -50,6 +59,7 @@ class DdsPublisher final : public Publisher {
     participant_.createReader(kStatusTopic, new WireType<Status>, &status_listener_);
     participant_.createReader(kCommandTopic, new WireType<Command>, &command_listener_);
     participant_.createReaderIfPermitted(kPoseTopic, new WireType<PoseSamples>, &pose_listener_);
+    participant_.createReaderIfPermitted(kReadersTopic, new WireType<ReaderReport>, &report_listener_);
     status_writer_ = participant_.createWriter(kStatusTopic, new WireType<Status>, nullptr);
     groom_writer_ = participant_.createWriter(kGroomTopic, new WireType<GroomChunk>, nullptr);
     hair_writer_ = participant_.createWriter(kHairsTopic, new WireType<HairChunk>, nullptr);
@@ -70,20 +80,18 @@ class DdsPublisher final : public Publisher {
   }
 
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
-    AnnouncedGroom::Chunks chunks = announced_.chunksOf(groom, body);
-    if (claim_) shared_ = chunks;
-    if (claim_) shared_hairs_.clear();
+    described_ = announced_.chunksOf(groom, body);
+    described_hairs_.clear();
     if (!claim_ || announced_turn_ != 0) {
-      write(std::move(chunks));
-      write(std::vector<HairChunk>());  // the last ones followed the last groom
+      write(described_);
+      write(described_hairs_);  // the last ones followed the last groom
     }
     announced_.accept(groom);
   }
 
   void announceHairs(const HairDescription& hairs) override {
-    std::vector<HairChunk> chunks = announced_.chunksOf(hairs);
-    if (claim_) shared_hairs_ = chunks;
-    if (!claim_ || announced_turn_ != 0) write(std::move(chunks));
+    described_hairs_ = announced_.chunksOf(hairs);
+    if (!claim_ || announced_turn_ != 0) write(described_hairs_);
   }
 
   void announceColliders(const ColliderSet& colliders) override {
@@ -91,15 +99,15 @@ class DdsPublisher final : public Publisher {
     ColliderSet own = colliders;
     own.groom_id = options_.groom_id;
     own.session = options_.session;
-    std::vector<ColliderChunk> chunks = splitColliders(own);
-    if (claim_) shared_colliders_ = chunks;
-    if (!claim_ || announced_turn_ != 0) write(std::move(chunks));
+    described_colliders_ = splitColliders(own);
+    if (!claim_ || announced_turn_ != 0) write(described_colliders_);
   }
 
   void publish(const GuideFrame& frame) override {
     // Not earlier: a claim silences the casting daemon, and only now are there frames to replace its own
     if (claim_) claim_->claim();
     if (claim_ && !updateOwnership()) return;
+    repeatWhatReadersLack();
     sendHair();
     announced_.divide(frame, [this](GuideChunk& chunk) { guide_writer_->write(&chunk); });
   }
@@ -183,7 +191,15 @@ class DdsPublisher final : public Publisher {
   }
 
   uint32_t matchedReaders() const override { return readers_.matched(); }
+  ReaderSummary readers() const override {
+    ReaderSummary summary = reports_.summary();
+    if (reports_.count() < readers_.matched()) summary.largest_pixels = -1;
+    return summary;
+  }
   EncodingReport encoding() const override { return announced_.encoding(); }
+  std::optional<OtherVersion> otherVersion() const override {
+    return neighbours_.otherVersion(options_.groom_id, false);
+  }
   std::optional<ConflictingDaemon> conflict() const override {
     if (!claim_) return others_.conflictOf(options_.groom_id, options_.session);
     return others_.conflictOf(options_.groom_id, options_.session, [this](const auto& writer, auto heard) {
@@ -218,6 +234,12 @@ class DdsPublisher final : public Publisher {
     }
   }
 
+  void warnOnce() {
+    const auto other = otherVersion();
+    if (other && !has_warned_.exchange(true))
+      spdlog::warn(warningOf(*other, options_.groom_id, "DDS domain " + std::to_string(options_.domain)));
+  }
+
   void write(AnnouncedGroom::Chunks chunks) {
     groom_chunks_ = replace(*groom_writer_, std::move(chunks.groom), groom_chunks_);
     body_chunks_ = replace(*body_writer_, std::move(chunks.body), body_chunks_);
@@ -231,14 +253,22 @@ class DdsPublisher final : public Publisher {
     collider_chunks_ = replace(*collider_writer_, std::move(chunks), collider_chunks_);
   }
 
+  /// Fast DDS 2.9.1 sometimes does not deliver a late joiner all samples that are kept for it.
+  void repeatWhatReadersLack() {
+    const uint32_t overdue = reports_.takeOverdue();
+    if ((overdue & ReaderReport::kGroomAndBody) != 0) write(described_);
+    if ((overdue & ReaderReport::kHairs) != 0) write(described_hairs_);
+    if ((overdue & ReaderReport::kColliders) != 0) write(described_colliders_);
+  }
+
   /// Whether this daemon holds the claim. On a change, announces or withdraws the groom: late joiners must
   /// get that of the casting daemon only.
   bool updateOwnership() {
     const uint64_t turn = claim_->turn();
     if (turn != announced_turn_) {
-      write(turn != 0 ? shared_ : AnnouncedGroom::Chunks());
-      write(turn != 0 ? shared_hairs_ : std::vector<HairChunk>());
-      write(turn != 0 ? shared_colliders_ : std::vector<ColliderChunk>());
+      write(turn != 0 ? described_ : AnnouncedGroom::Chunks());
+      write(turn != 0 ? described_hairs_ : std::vector<HairChunk>());
+      write(turn != 0 ? described_colliders_ : std::vector<ColliderChunk>());
       announced_turn_ = turn;
     }
     if (turn == 0 && has_status_) withdrawStatus();
@@ -297,9 +327,10 @@ class DdsPublisher final : public Publisher {
   StatusBoard others_;  // of this groom
   AnnouncedGroom announced_;
   uint32_t groom_chunks_ = 0, hair_chunks_ = 0, body_chunks_ = 0, collider_chunks_ = 0;
-  AnnouncedGroom::Chunks shared_;  // announced when this daemon takes over
-  std::vector<HairChunk> shared_hairs_;
-  std::vector<ColliderChunk> shared_colliders_;
+  // Last announced, or to be announced when this daemon takes over
+  AnnouncedGroom::Chunks described_;
+  std::vector<HairChunk> described_hairs_;
+  std::vector<ColliderChunk> described_colliders_;
   uint64_t announced_turn_ = 0;  // DdsClaim::turn() of the last announcement
   bool has_status_ = false;      // whether readers have a status of this session
   // Listeners before the participant, which is destroyed first, with the threads that call them.
@@ -307,6 +338,8 @@ class DdsPublisher final : public Publisher {
   SampleListener<Command> command_listener_;
   SampleListener<Status> status_listener_;
   SampleListener<PoseSamples> pose_listener_;
+  ReaderReports reports_;
+  SampleListener<ReaderReport> report_listener_;
   MatchCounter sharers_;
   std::mutex show_mutex_;  // guards the shows received
   SampleListener<ShowChunk> show_listener_;
@@ -315,6 +348,7 @@ class DdsPublisher final : public Publisher {
   std::deque<ShowChunk> waiting_hair_;
   bool reads_shows_ = false;
   uint32_t show_revision_ = 0, hair_sent_to_ = 0;  // hair_sent_to_: of MatchCounter::everMatched()
+  std::atomic<bool> has_warned_{false};
   DdsNeighbours neighbours_;
   std::optional<DdsClaim> claim_;
   DdsParticipant participant_;

@@ -15,6 +15,7 @@
 #include "transport/dds_participant.h"
 #include "transport/dds_type.h"
 #include "transport/receiving_subscriber.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -30,6 +31,9 @@ constexpr std::chrono::milliseconds kStandbyTime{5000};
 /// three needs a second more, one in twelve two, one in sixty four.
 constexpr std::chrono::milliseconds kSecureAnswerTime{12000};
 const eprosima::fastrtps::Duration_t kAcknowledgmentPoll{0, 50000000};
+/// How often a reader looks whether its report has changed, and how many times until it sends it anyway.
+constexpr std::chrono::milliseconds kReportPoll{200};
+constexpr int kPollsPerReport = 5;
 constexpr int kMaxStarvedChecks = 2;  // checks without a chunk; a daemon sends its status twice a second
 
 class DdsSubscriber final : public ReceivingSubscriber {
@@ -37,6 +41,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   explicit DdsSubscriber(const DdsOptions& options)
       : ReceivingSubscriber(options.groom_id, options.profile == DdsProfile::kBestEffort),
         options_(options),
+        neighbours_([this] { warnOnce(); }),
         groom_listener_([this](GroomChunk& chunk, const auto&) { receive(std::move(chunk)); }),
         hair_listener_([this](HairChunk& chunk, const auto&) { receive(std::move(chunk)); }),
         body_listener_([this](BodyChunk& chunk, const auto&) { receive(std::move(chunk)); }),
@@ -50,6 +55,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
     if (!options.frames) network.uses_shared_memory = false;
     join(network);
     if (network.uses_shared_memory) watchdog_ = std::thread([this] { watch(); });
+    if (options.frames) reporter_ = std::thread([this] { sendReports(); });
   }
 
   ~DdsSubscriber() override {
@@ -59,9 +65,13 @@ class DdsSubscriber final : public ReceivingSubscriber {
     }
     wake_.notify_all();
     if (watchdog_.joinable()) watchdog_.join();
+    if (reporter_.joinable()) reporter_.join();
     participant_.reset();  // and with it the threads that call the listeners
   }
 
+  std::optional<OtherVersion> otherVersion() const override {
+    return neighbours_.otherVersion(options_.groom_id, true);
+  }
   bool mayCommand() const override { return options_.keys.empty() || command_writer_ != nullptr; }
 
   void send(const Command& command, const std::function<bool()>& gives_up) override {
@@ -98,6 +108,14 @@ class DdsSubscriber final : public ReceivingSubscriber {
   }
 
  private:
+  void warnOnce() {
+    const auto other = otherVersion();
+    if (other && !has_warned_.exchange(true)) spdlog::warn(warning(*other));
+  }
+  std::string warning(const OtherVersion& other) const {
+    return warningOf(other, options_.groom_id, "DDS domain " + std::to_string(options_.domain));
+  }
+
   void join(const DdsNetwork& network) {
     participant_.emplace(network, options_.groom_id, DdsRole{false, options_.groom_id, false}, &neighbours_);
     if (options_.frames) {
@@ -109,10 +127,14 @@ class DdsSubscriber final : public ReceivingSubscriber {
                                  options_.profile != DdsProfile::kBestEffort);
     }
     participant_->createReader(kStatusTopic, new WireType<Status>, &status_listener_);
+    if (options_.frames)
+      report_writer_ =
+          participant_->createWriterIfPermitted(kReadersTopic, new WireType<ReaderReport>, nullptr);
     command_writer_ = participant_->createWriterIfPermitted(kCommandTopic, new WireType<Command>, &daemons_);
   }
 
   std::string noAnswerRemedy() const {
+    if (const auto other = otherVersion()) return warning(*other);
     if (!options_.keys.empty())
       return "start strandcastd, or check --domain, the groom id and the keys: a daemon refuses those of "
              "another CA, "
@@ -122,6 +144,21 @@ class DdsSubscriber final : public ReceivingSubscriber {
              "one: a "
              "daemon with --profile secure answers only who has --keys";
     return "start strandcastd, or check --domain and the groom id";
+  }
+
+  void sendReports() {
+    std::unique_lock lock(watch_mutex_);
+    ReaderReport sent;
+    for (int polls = 0; !wake_.wait_for(lock, kReportPoll, [&] { return stop_; }); ++polls) {
+      lock.unlock();
+      ReaderReport now = report();
+      if (polls % kPollsPerReport == 0 || isUrgent(sent, now)) {
+        sent = now;
+        const std::lock_guard sending(send_mutex_);
+        if (report_writer_ != nullptr) report_writer_->write(&sent);
+      }
+      lock.lock();
+    }
   }
 
   /// Whether a daemon is known, but nothing from its writers arrives here.
@@ -149,7 +186,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
       const bool is_unreachable = participant_ && isUnreachable();
       if (participant_ && !is_unreachable && starved < kMaxStarvedChecks) continue;
       const std::lock_guard sending(send_mutex_);
-      command_writer_ = nullptr;
+      command_writer_ = report_writer_ = nullptr;
       participant_.reset();
       statuses_.clear();
       DdsNetwork network(options_);
@@ -180,6 +217,7 @@ class DdsSubscriber final : public ReceivingSubscriber {
   std::mutex send_mutex_;
   // Listeners before the participant, which is destroyed first, with the threads that call them.
   MatchCounter daemons_;
+  std::atomic<bool> has_warned_{false};
   DdsNeighbours neighbours_;
   SampleListener<GroomChunk> groom_listener_;
   SampleListener<HairChunk> hair_listener_;
@@ -189,12 +227,14 @@ class DdsSubscriber final : public ReceivingSubscriber {
   SampleListener<Status> status_listener_;
   std::optional<DdsParticipant> participant_;
   dds::DataWriter* command_writer_ = nullptr;
+  dds::DataWriter* report_writer_ = nullptr;
 
   uint64_t watched_chunks_ = 0;  // chunks_ at the watchdog's last check
   std::mutex watch_mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
   std::thread watchdog_;  // kLocal only
+  std::thread reporter_;  // of frames only
 };
 
 }  // namespace

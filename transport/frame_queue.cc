@@ -82,6 +82,11 @@ bool FrameQueue::isOfGroom(const Description* description) const {
          description->revision == groom_->revision;
 }
 
+bool FrameQueue::isWhole() const {
+  return isOfGroom(body_.get()) &&
+         ((groom_->growth & GroomDescription::kHairs) == 0 || isOfGroom(hairs_.get()));
+}
+
 std::shared_ptr<const GroomDescription> FrameQueue::groom() const {
   const std::lock_guard lock(mutex_);
   return groom_;
@@ -138,7 +143,7 @@ std::shared_ptr<const GuideFrame> FrameQueue::waitForNext(const GuideFrame* last
 
 bool FrameQueue::waitForGroom(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, timeout, [&] { return isOfGroom(body_.get()); });
+  return changed_.wait_for(lock, timeout, [&] { return isWhole(); });
 }
 
 void FrameQueue::addLatencies(ReceiveStatistics& statistics) const {

@@ -67,6 +67,8 @@ class FrameQueue {
   /// False for null.
   template <class Description>
   bool isOfGroom(const Description* description) const;
+  /// Whether groom_ and all that belongs to it and is drawn are here.
+  bool isWhole() const;
   /// The oldest frame that is newer than `reached(newest frame)`.
   template <class Reached>
   std::shared_ptr<const GuideFrame> waitBeyond(std::chrono::milliseconds timeout, const Reached& reached);

@@ -44,7 +44,6 @@ class MessageWriter {
   void number(const Number& value) {
     storeBigEndian(value, grow(sizeof value));
   }
-  void flag(bool value) { number(uint32_t{value}); }
   void text(std::string_view value) {
     number(static_cast<uint32_t>(value.size() + 1));
     std::copy(value.begin(), value.end(), grow(value.size() + 1));  // the byte after it is 0
@@ -63,7 +62,6 @@ class MessageWriter {
 
   void key(const char*, const auto& value) { number(value); }
   void number(const char*, const auto& value) { number(value); }
-  void flag(const char*, bool value) { flag(value); }
   void text(const char*, std::string_view value, size_t limit) { text(value.substr(0, limit)); }
   void items(const char*, const auto& values) { items(values); }
   void array(const char*, const auto& values, size_t) { array(values); }
@@ -87,11 +85,6 @@ class MessageReader {
   template <class Number>
   void number(Number& value) {
     if (const uint8_t* from = take(sizeof value)) value = loadBigEndian<Number>(from);
-  }
-  void flag(bool& value) {
-    uint32_t number = 0;
-    this->number(number);
-    value = number != 0;
   }
   void text(std::string& value) {
     const size_t length = this->length(1);
@@ -120,7 +113,6 @@ class MessageReader {
 
   void key(const char*, auto& value) { number(value); }
   void number(const char*, auto& value) { number(value); }
-  void flag(const char*, bool& value) { flag(value); }
   void text(const char*, std::string& value, size_t limit) {
     text(value);
     if (value.size() > limit) value.resize(limit);

@@ -21,6 +21,15 @@ struct GroomDescription {
   std::string name;
   float hair_radius = 40e-6f;  ///< m, see isHairRadius()
   StrandSet guides;            ///< rest shape, metres, groom frame
+  /// What is drawn, a sum. A renderer draws once all that it names is here.
+  enum Growth : uint32_t {
+    kFromSeed = 1,  ///< hair that the renderer grows from a seed
+    kHairs = 2,     ///< hairs that follow: HairDescription
+    kHairMesh = 4   ///< a hair mesh that follows
+  };
+  uint32_t growth = kFromSeed;  ///< 1 to 7
+  std::vector<uint8_t> seeded;  ///< per guide, 1 where hair from a seed may follow it; empty: all
+  std::vector<uint32_t> ids;    ///< per guide, the artist's id, or empty
 };
 
 /// Hairs that follow the guides of a groom instead of growing from a seed: docs/architecture.md, "From guides
@@ -80,6 +89,9 @@ struct GuideFrame {
   uint64_t frame = 0;                     ///< from 1, counts up by one per published frame
   double simulation_time = 0;             ///< s
   uint64_t publish_time = 0;              ///< ns, system clock of the daemon
+  uint64_t pose_source = 0;               ///< sender of the live poses that the frame shows; 0 = none
+  uint64_t pose_time = 0;                 ///< ns by that sender's clock, of the newest pose in the frame
+  uint32_t continuity = 0;                ///< another value than in the frame before: the motion jumps here
   Pose head;                              ///< pose of the head relative to rest
   std::vector<Vec3> positions;            ///< world, m, natural order of the groom's guides
   std::vector<PlacedCollider> colliders;  ///< those that do not follow the head; at most kMaxPlacedColliders
@@ -158,6 +170,20 @@ struct ParameterTable {
   std::vector<float> values;
 };
 
+/// Measured values of a status, by name (transport/metrics.h).
+struct MetricTable {
+  std::string names;  ///< in order, separated by one space
+  std::vector<double> values;
+};
+
+/// A program of another version of the wire. The two exchange nothing: docs/wire.md, "Version".
+struct OtherVersion {
+  bool is_daemon = false;   ///< it casts; else it wants frames or sends commands
+  int first = 0, last = 0;  ///< versions that it may have; a newer one than is known here: both 0
+
+  bool operator==(const OtherVersion&) const = default;
+};
+
 /// State of a daemon, published twice a second and in answer to each command.
 struct Status {
   uint32_t groom_id = 0;
@@ -175,11 +201,13 @@ struct Status {
   /// Strands restored to their rest shape after an invalid state, since the start or a reset
   uint64_t strands_reset = 0;
   uint32_t readers = 0;  ///< matched subscribers of the guides
+  uint32_t writers = 1;  ///< processes that write chunks of each frame
   EncodingReport encoding;
   uint64_t last_command = 0;       ///< id of the newest command carried out or refused
   std::string last_command_error;  ///< empty when it was carried out
   ParameterTable parameters;  ///< that commands can set, with their present values, followed by the other
                               ///< things that commands steer: entriesOf()
+  MetricTable metrics;
 };
 
 }  // namespace strandcast

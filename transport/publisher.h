@@ -50,6 +50,14 @@ struct StepPoses {
   PoseSamples poses;
 };
 
+/// What the readers of a groom reported.
+struct ReaderSummary {
+  /// Diameter of the hair's bounding sphere in the largest picture of all readers; 0: in no picture; -1: some
+  /// reader did not tell, or none reports
+  float largest_pixels = -1;
+  uint64_t frames_lost = 0;  ///< sum over the present readers, since the start of each
+};
+
 /// Among daemons that share a groom: which one casts.
 enum class CastingState {
   kUnshared,   ///< the daemon does not share its groom
@@ -69,9 +77,10 @@ class Publisher {
   /// do not match, non-finite numbers, a strand of more than kMaxWireVertices vertices.
   virtual void announce(const GroomDescription& groom, const BodyDescription& body) = 0;
   /// Describes hairs that follow the guides of the groom announced last to all present and later readers,
-  /// until the next announce(). The channel sets `groom_id`, `revision` and `session`. Decoded positions are
-  /// within CodecOptions::hair_error. Throws Error as checkHairs() and encodeHairs()
-  /// (transport/codec/hair_codec.h), and where no groom was announced.
+  /// until the next announce(). Readers wait for them where the groom's growth has kHairs. The channel sets
+  /// `groom_id`, `revision` and `session`. Decoded positions are within CodecOptions::hair_error. Throws
+  /// Error as checkHairs() and encodeHairs() (transport/codec/hair_codec.h), and where no groom was
+  /// announced.
   virtual void announceHairs(const HairDescription&) {}
   /// Describes the colliders to all present and later readers. Call again, with a higher revision, when they
   /// change. Poses of colliders that do not follow the head are in the frames. The channel sets `groom_id`
@@ -96,6 +105,7 @@ class Publisher {
   virtual void recordPoses(const StepPoses&) {}
   /// Number of readers of the guides: matched (DDS), or heard within 3 s (LCM).
   virtual uint32_t matchedReaders() const = 0;
+  virtual ReaderSummary readers() const { return {}; }
   /// Size and error of the newest frame as encoded; empty in-process, where nothing is encoded.
   virtual EncodingReport encoding() const = 0;
   /// A rival, if one was heard. Of several, one that casts; else the one of the lowest session. A publisher
@@ -140,6 +150,8 @@ class Publisher {
   /// The newest show of the daemon that casts, each once: first the newest with hair, then the newest
   /// without.
   virtual std::optional<Show> takeShow() { return std::nullopt; }
+  /// A program of another version of the wire that wants this groom, if one is known.
+  virtual std::optional<OtherVersion> otherVersion() const { return std::nullopt; }
   /// Why published data could not be written to an LCM log; empty while nothing failed. The failure was
   /// logged once.
   virtual std::string failure() const { return {}; }

@@ -1,5 +1,9 @@
 #include "transport/receiving_subscriber.h"
 
+#include <cmath>
+#include <random>
+
+#include "transport/metrics.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -57,7 +61,7 @@ void ReceivingSubscriber::push(std::shared_ptr<const GuideFrame> frame) {
 }
 
 bool ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& writer) {
-  if (!isSound(status.parameters)) {
+  if (!isSound(status.parameters) || !isSound(status.metrics)) {
     countDamagedMessage();
     return false;
   }
@@ -65,6 +69,43 @@ bool ReceivingSubscriber::receive(Status status, const StatusBoard::WriterId& wr
   // After the status, so that a thread that sees the answer sees its effects.
   if (status.groom_id == groom_id_) answers_.post(status);
   return is_taken;
+}
+
+uint64_t ReceivingSubscriber::newReaderId() {
+  std::random_device random;
+  return 1 | random() | static_cast<uint64_t>(random()) << 32;
+}
+
+void ReceivingSubscriber::setPictures(float pixels, float rate) {
+  const std::lock_guard lock(mutex_);
+  pixels_ = pixels;
+  rate_ = rate;
+}
+
+ReaderReport ReceivingSubscriber::report() const {
+  ReaderReport report;
+  report.reader = reader_id_;
+  report.groom_id = groom_id_;
+  if (const auto shown = frame()) report.session = shown->session;
+  const ReceiveStatistics received = statistics();
+  report.frames_received = received.frames_received;
+  report.frames_lost = received.frames_lost;
+  report.latency_ms_p50 = static_cast<float>(received.latency_ms_p50);
+  report.latency_ms_p99 = static_cast<float>(received.latency_ms_p99);
+  const auto own = groom();
+  const bool has_hairs = !own || (own->growth & GroomDescription::kHairs) == 0 || hairs();
+  report.wants = (own && body() ? 0u : ReaderReport::kGroomAndBody) |
+                 (has_hairs ? 0u : ReaderReport::kHairs) | (colliders() ? 0u : ReaderReport::kColliders);
+  const std::lock_guard lock(mutex_);
+  report.pixels = pixels_;
+  report.rate = rate_;
+  return report;
+}
+
+bool ReceivingSubscriber::isUrgent(const ReaderReport& last, const ReaderReport& now) {
+  const bool is_seen_otherwise = (last.pixels > 0) != (now.pixels > 0);
+  return last.wants != now.wants || is_seen_otherwise ||
+         std::abs(now.pixels - last.pixels) > 0.1f * std::abs(last.pixels);
 }
 
 void ReceivingSubscriber::countDamagedMessage() {

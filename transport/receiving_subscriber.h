@@ -12,6 +12,7 @@
 #include "transport/frame_queue.h"
 #include "transport/status_board.h"
 #include "transport/subscriber.h"
+#include "transport/wire_fields.h"
 
 namespace strandcast {
 
@@ -39,6 +40,7 @@ class ReceivingSubscriber : public Subscriber {
     return answers_.wait(command, timeout);
   }
   ReceiveStatistics statistics() const final;
+  void setPictures(float pixels, float rate) final;
 
  protected:
   /// Time that a daemon has to answer a command, unless its answer needs longer.
@@ -48,6 +50,7 @@ class ReceivingSubscriber : public Subscriber {
   ReceivingSubscriber(uint32_t groom_id, bool conceals)
       : groom_id_(groom_id),
         conceals_(conceals),
+        reader_id_(newReaderId()),
         grooms_(groom_id),
         bodies_(groom_id),
         colliders_(groom_id),
@@ -70,15 +73,22 @@ class ReceivingSubscriber : public Subscriber {
   /// False where it is damaged or the status board is full.
   bool receive(Status status, const StatusBoard::WriterId& writer);
   void countDamagedMessage();
+  /// The present report. Not with a lock that the thread which receives takes.
+  ReaderReport report() const;
+  /// Whether `now` is to be sent at once after `last`: it lacks or has other messages, or the size of the
+  /// pictures has changed by a tenth.
+  static bool isUrgent(const ReaderReport& last, const ReaderReport& now);
 
   mutable StatusBoard statuses_;
 
  private:
+  static uint64_t newReaderId();
   void receiveGuideChunk();
   void push(std::shared_ptr<const GuideFrame> frame);
 
   const uint32_t groom_id_;
   const bool conceals_;
+  const uint64_t reader_id_;
   FrameQueue queue_;
   Answers answers_;
   mutable std::mutex mutex_;  // guards all below
@@ -89,6 +99,7 @@ class ReceivingSubscriber : public Subscriber {
   GuideAssembler frames_;
   GuideChunk guide_chunk_;
   uint64_t messages_damaged_ = 0;
+  float pixels_ = -1, rate_ = 0;
 };
 
 }  // namespace strandcast

@@ -151,6 +151,7 @@ struct FramePlayer::State {
     const auto later = std::find_if(frames.begin(), frames.end(),
                                     [&](const Frame& frame) { return frame->simulation_time >= time; });
     if (later == frames.begin() || (*later)->simulation_time == time) return *later;
+    if ((*std::prev(later))->continuity != (*later)->continuity) return *std::prev(later);
     return between(**std::prev(later), **later, time);
   }
 

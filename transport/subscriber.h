@@ -71,7 +71,8 @@ class Subscriber {
   /// As waitForFrame(), after the frame `last`. Null, or a frame of another session, stands for 0.
   virtual std::shared_ptr<const GuideFrame> waitForNext(const GuideFrame* last,
                                                         std::chrono::milliseconds timeout) = 0;
-  /// Waits for groom and body of one session and revision; false on timeout.
+  /// Waits for groom and body of one session and revision and, where the groom's growth has kHairs, for its
+  /// hairs; false on timeout.
   virtual bool waitForGroom(std::chrono::milliseconds timeout) = 0;
   /// Newest status of this subscriber's groom; `strands` is 0 until its daemon casts. Empty before the first
   /// status, and after the daemon has ended: at once when it says so (DDS), else after 3 s of silence.
@@ -93,6 +94,12 @@ class Subscriber {
   /// was refused, nothing on timeout. The newest 256 answers are kept, also after the daemon has ended.
   virtual std::optional<std::string> waitForAnswer(uint64_t command, std::chrono::milliseconds timeout) = 0;
   virtual ReceiveStatistics statistics() const = 0;
+  /// Tells the daemon what the pictures need, so that it may save work where hair is small. `pixels`:
+  /// diameter of the hair's bounding sphere in the largest picture, at most 1e6; 0: in no picture, and no
+  /// shadow of it in one; -1, the default: unknown. `rate`: pictures per second; 0: unknown.
+  virtual void setPictures(float /*pixels*/, float /*rate*/) {}
+  /// A daemon of another version of the wire that casts this subscriber's groom, if one is known.
+  virtual std::optional<OtherVersion> otherVersion() const { return std::nullopt; }
 };
 
 /// Sends the command every half second until the daemon has answered; the daemon executes it once, however
@@ -139,7 +146,7 @@ class FramePlayer {
   /// kSmooth estimates the offset between this machine's clock and simulation time as the least that about
   /// the last second of arrivals shows. It plays one frame interval plus the jitter (at most a second
   /// interval) behind it, and interpolates by interpolateFrames(). Where no new frames arrive, it stays on
-  /// the newest.
+  /// the newest; before a cut (GuideFrame::continuity), on the frame before it.
   std::shared_ptr<const GuideFrame> next(
       const std::optional<Pose>& head = std::nullopt,
       std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());

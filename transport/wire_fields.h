@@ -4,17 +4,35 @@
 #include <type_traits>
 
 #include "transport/chunks.h"
+#include "transport/metrics.h"
 #include "transport/parameter_table.h"
 #include "transport/show.h"
 
 namespace strandcast {
 
-/// reader_t of strandcast.lcm: a reader announces itself.
-struct ReaderHeartbeat {
-  uint64_t reader = 0;
-  uint32_t groom_id = 0;
-  bool wants_groom = false;
+/// What a reader shows, needs and receives, told to the daemon of its groom.
+struct ReaderReport {
+  /// Messages that are missing here.
+  enum Wants : uint32_t {
+    kGroomAndBody = 1,
+    kColliders = 2,
+    kMaterials = 4,
+    kLights = 8,
+    kHairs = 16,
+    kHairMesh = 32
+  };
+  uint64_t reader = 0;   ///< random per start of the reader, not 0
+  uint64_t session = 0;  ///< of the daemon whose frames it shows; 0 = none
+  uint64_t frames_received = 0, frames_lost = 0;
+  uint32_t groom_id = 0, wants = 0;  ///< wants: bits of Wants
+  /// Diameter of the hair's bounding sphere in its largest picture, to 1e6; 0: in none, and casts no shadow
+  /// into one; -1: unknown
+  float pixels = -1;
+  float rate = 0;                                ///< pictures per second; 0 = unknown
+  float latency_ms_p50 = 0, latency_ms_p99 = 0;  ///< from publish_time to the complete frame
 };
+
+bool isSound(const ReaderReport& report);
 
 /// Written by each daemon that claims a shared groom: its session.
 struct Claim {
@@ -23,7 +41,7 @@ struct Claim {
 };
 
 /// Of the schemas, strandcast.idl and strandcast.lcm.
-inline constexpr int kWireVersion = 6;
+inline constexpr int kWireVersion = 7;
 
 /// The message's struct in strandcast.idl.
 template <class Message>
@@ -41,6 +59,8 @@ inline constexpr const char* kWireName<GuideChunk> = "GuideChunk";
 template <>
 inline constexpr const char* kWireName<PoseSamples> = "PoseSamples";
 template <>
+inline constexpr const char* kWireName<ReaderReport> = "ReaderReport";
+template <>
 inline constexpr const char* kWireName<Command> = "Command";
 template <>
 inline constexpr const char* kWireName<Status> = "Status";
@@ -56,7 +76,6 @@ inline constexpr const char* kWireName<ShowChunk> = "ShowChunk";
 ///
 ///   key(name, number)            a number, and a key of the DDS topic
 ///   number(name, number)
-///   flag(name, bool)             32 bits, 0 or 1; only in LCM
 ///   text(name, string, limit)    bytes; a longer text is cut, written or read
 ///   items(name, std::array)
 ///   array(name, vector, limit)   items; a reader refuses more before it allocates them, a writer is never
@@ -86,6 +105,7 @@ void fields(Visitor& v, auto& m, std::type_identity<GroomChunk>) {
   v.number("total_vertices", m.total_vertices);
   v.number("first_strand", m.first_strand);
   v.number("first_vertex", m.first_vertex);
+  v.number("growth", m.growth);
   v.number("hair_radius", m.hair_radius);
   v.number("arrays", m.arrays);
   v.text("name", m.name, kMaxTextBytes);
@@ -95,6 +115,8 @@ void fields(Visitor& v, auto& m, std::type_identity<GroomChunk>) {
   v.array("radii", m.radii, kWords);
   v.array("uvs", m.uvs, kWords);
   v.array("parts", m.parts, kShorts);
+  v.array("seeded", m.seeded, kOctets);
+  v.array("ids", m.ids, kWords);
 }
 
 template <class Visitor>
@@ -153,11 +175,13 @@ void fields(Visitor& v, auto& m, std::type_identity<ColliderChunk>) {
 }
 
 template <class Visitor>
-void guideFields(Visitor& v, auto& m) {
+void fields(Visitor& v, auto& m, std::type_identity<GuideChunk>) {
   v.number("session", m.session);
   v.number("frame", m.frame);
   v.number("publish_time", m.publish_time);
   v.number("key_frame", m.key_frame);
+  v.number("pose_source", m.pose_source);
+  v.number("pose_time", m.pose_time);
   v.number("simulation_time", m.simulation_time);
   v.key("groom_id", m.groom_id);
   chunkFields(v, m);
@@ -165,40 +189,16 @@ void guideFields(Visitor& v, auto& m) {
   v.number("strand_count", m.strand_count);
   v.number("first_vertex", m.first_vertex);
   v.number("vertex_count", m.vertex_count);
+  v.number("writer", m.writer);
+  v.number("writers", m.writers);
+  v.number("continuity", m.continuity);
   v.items("head_position", m.head_position);
   v.items("head_rotation", m.head_rotation);
   v.number("encoding", m.encoding);
-}
-
-template <class Visitor>
-void poseFields(Visitor& v, auto& m) {
   v.array("colliders", m.colliders, kMaxPlacedColliders);
   v.array("collider_poses", m.collider_poses, 7 * kMaxPlacedColliders);
-}
-
-template <class Visitor>
-void fields(Visitor& v, auto& m, std::type_identity<GuideChunk>) {
-  guideFields(v, m);
-  poseFields(v, m);
   v.array("bent_colliders", m.bent_colliders, kMaxPlacedColliders);
   v.array("collider_bends", m.collider_bends, kBendNumbers * kMaxPlacedColliders);
-  v.array("payload", m.payload, wire_limits::kOctets);
-}
-
-/// Guide chunks of wire versions 3 and 5, which recordings of versions 1 and 2 contain.
-struct GuideChunk3 : GuideChunk {};
-struct GuideChunk5 : GuideChunk {};
-
-template <class Visitor>
-void fields(Visitor& v, auto& m, std::type_identity<GuideChunk5>) {
-  guideFields(v, m);
-  poseFields(v, m);
-  v.array("payload", m.payload, wire_limits::kOctets);
-}
-
-template <class Visitor>
-void fields(Visitor& v, auto& m, std::type_identity<GuideChunk3>) {
-  guideFields(v, m);
   v.array("payload", m.payload, wire_limits::kOctets);
 }
 
@@ -229,10 +229,17 @@ void fields(Visitor& v, auto& m, std::type_identity<Command>) {
 }
 
 template <class Visitor>
-void fields(Visitor& v, auto& m, std::type_identity<ReaderHeartbeat>) {
-  v.number("reader", m.reader);
-  v.number("groom_id", m.groom_id);
-  v.flag("wants_groom", m.wants_groom);
+void fields(Visitor& v, auto& m, std::type_identity<ReaderReport>) {
+  v.key("reader", m.reader);
+  v.number("session", m.session);
+  v.number("frames_received", m.frames_received);
+  v.number("frames_lost", m.frames_lost);
+  v.key("groom_id", m.groom_id);
+  v.number("wants", m.wants);
+  v.number("pixels", m.pixels);
+  v.number("rate", m.rate);
+  v.number("latency_ms_p50", m.latency_ms_p50);
+  v.number("latency_ms_p99", m.latency_ms_p99);
 }
 
 template <class Visitor>
@@ -256,14 +263,17 @@ void fields(Visitor& v, auto& m, std::type_identity<Status>) {
   v.number("codec_worst_error", m.encoding.worst_error);
   v.key("groom_id", m.groom_id);
   v.number("readers", m.readers);
+  v.number("writers", m.writers);
   v.text("groom_name", m.groom_name, kMaxTextBytes);
   v.text("backend", m.backend, kMaxTextBytes);
   v.text("device", m.device, kMaxTextBytes);
   v.text("codec", m.encoding.codec, kMaxTextBytes);
   v.text("last_command_error", m.last_command_error, kMaxTextBytes);
   v.text("parameter_names", m.parameters.names, kMaxTableNameBytes);
+  v.text("metric_names", m.metrics.names, kMaxMetricNameBytes);
   v.array("parameter_components", m.parameters.components, kMaxTableEntries);
   v.array("parameter_values", m.parameters.values, kMaxTableValues);
+  v.array("metric_values", m.metrics.values, kMaxMetrics);
 }
 
 template <class Visitor>

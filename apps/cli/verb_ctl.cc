@@ -22,6 +22,7 @@
 #include "service/controls.h"
 #include "service/network.h"
 #include "transport/chunks.h"
+#include "transport/metrics.h"
 #include "transport/parameter_table.h"
 
 namespace strandcast {
@@ -164,6 +165,7 @@ nlohmann::json toJson(const Status& s) {
           {"bytes_per_vertex", bytesPerVertex(s)},
           {"strands_sent_finer", s.encoding.strands_sent_finer},
           {"last_command_error", s.last_command_error},
+          {"metrics", namedValues(s.metrics)},
           {"parameters", parametersJson(s)}};
 }
 
@@ -210,6 +212,7 @@ int printStatus(const CtlOptions& o) {
     return 0;
   }
   object.erase("parameters");
+  object.erase("metrics");
   for (const auto& [key, value] : object.items())
     fmt::print("  {:<20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
   fmt::print("  parameters\n");

@@ -209,7 +209,7 @@ class Viewer {
       const StreamScene now = StreamScene::of(session_->subscriber());
       if (!now.fits(*frame)) return;
       scene_ = now;
-      setScene(renderer_, *scene_.groom, *scene_.body);
+      setScene(renderer_, *scene_.groom, *scene_.body, scene_.hairs.get());
       panel_.setFields({});
       obstacles_set_ = false;
       frameScene();
@@ -225,10 +225,22 @@ class Viewer {
       panel_.say(error.what());
     }
     if (!frame_) return;
-    renderer_.draw(*frame_, pictureCamera(panel_.picture, box_));
+    const Camera camera = pictureCamera(panel_.picture, box_);
+    renderer_.draw(*frame_, camera);
+    tellSize(camera, view);
     statistics_ = renderer_.statistics();
     renderer_.present(view.left, window_.height() - view.top - view.height, view.width, view.height);
     if (tool_.isHolding()) markHand(view);
+  }
+
+  /// Tells the daemon how large the hair is. Hair beside the picture counts too: its shadow may be in it.
+  void tellSize(const Camera& camera, const Viewport& view) {
+    constexpr float kMaxPixels = 1e6f;
+    Box hair;
+    for (const Vec3& position : frame_->positions) hair.extend(position);
+    const float pixels =
+        hair.isEmpty() ? 0 : heightsInPicture(camera, hair) * static_cast<float>(view.height);
+    if (pixels >= 0) session_->subscriber().setPictures(std::min(pixels, kMaxPixels), 0);
   }
 
   /// Draws a ring at the hand.

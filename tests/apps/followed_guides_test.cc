@@ -168,6 +168,7 @@ TEST_F(FollowedGuides, ADaemonAnnouncesTheirHairs) {
   EXPECT_EQ(hairs->colours[0], (std::array<uint8_t, 3>{188, 0, 255})) << "linear 0.5 is 188 in sRGB";
   ASSERT_EQ(hairs->bindings.size(), scene.hairs.bindings.size());
   EXPECT_EQ(hairs->bindings[7].guides, scene.hairs.bindings[7].guides);
+  EXPECT_EQ(subscriber_->groom()->growth, GroomDescription::kHairs);
   const StreamScene stream = StreamScene::of(*subscriber_);
   EXPECT_EQ(stream.hairs, hairs);
   cast(1);

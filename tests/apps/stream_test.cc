@@ -50,6 +50,14 @@ TEST(StreamScene, FitsFramesOfItsDaemonAloneAndOnlyWhole) {
   EXPECT_FALSE((StreamScene{nullptr, body}.fits(frame)));
   EXPECT_FALSE((StreamScene{groom, described<BodyDescription>(12, 2)}.fits(frame)));
   EXPECT_FALSE((StreamScene{groom, described<BodyDescription>(11, 1)}.fits(frame)));
+  GroomDescription with_hairs = *groom;
+  with_hairs.growth = GroomDescription::kHairs;
+  StreamScene scene{std::make_shared<GroomDescription>(with_hairs), body};
+  EXPECT_FALSE(scene.fits(frame)) << "its hairs are to come";
+  scene.hairs = described<HairDescription>(11, 1);
+  EXPECT_FALSE(scene.fits(frame));
+  scene.hairs = described<HairDescription>(11, 2);
+  EXPECT_TRUE(scene.fits(frame));
   frame.session = 12;
   EXPECT_FALSE((StreamScene{groom, body}.fits(frame)));
 }

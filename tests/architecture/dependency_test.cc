@@ -53,7 +53,7 @@ struct Confined {
 const std::vector<Confined> kConfined = {
     {{"fcl"}, "FCL", {"collision"}},
     {{"fastdds", "fastrtps", "fastcdr"}, "DDS", {"transport"}},
-    {{"lcm", "strandcast_v6"}, "LCM", {"transport"}},
+    {{"lcm", "strandcast_v7"}, "LCM", {"transport"}},
     {{"openssl"}, "OpenSSL", {"transport"}},
     {{"epoxy", "GL", "EGL", "GLES2", "GLES3", "KHR"}, "GL", {"gl", "gpu_compute", "render", "apps/viewer"}},
     {{"GLFW", "imgui"}, "the window", {"apps/viewer"}},

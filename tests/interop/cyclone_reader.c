@@ -17,10 +17,11 @@
 #include "strandcast.h"
 
 enum { kMaxChunks = 4096, kTake = 64, kFramesUnderWay = 64 };
+enum { kFloat32 = 0 }; /* GuideChunk.encoding */
 
-typedef strandcast_v6_GroomChunk GroomChunk;
-typedef strandcast_v6_GuideChunk GuideChunk;
-typedef strandcast_v6_Status Status;
+typedef strandcast_v7_GroomChunk GroomChunk;
+typedef strandcast_v7_GuideChunk GuideChunk;
+typedef strandcast_v7_Status Status;
 
 static dds_entity_t checked(dds_entity_t entity, const char* what) {
   if (entity < 0) {
@@ -62,7 +63,7 @@ static dds_entity_t command_writer_in(dds_entity_t participant, const char* part
   const dds_entity_t publisher = checked(dds_create_publisher(participant, qos, NULL), "publisher");
   dds_delete_qos(qos);
   const dds_entity_t topic =
-      checked(dds_create_topic(participant, &strandcast_v6_Command_desc, "strandcast/command", NULL, NULL),
+      checked(dds_create_topic(participant, &strandcast_v7_Command_desc, "strandcast/command", NULL, NULL),
               "command");
   qos = reliable(64, true);
   const dds_entity_t writer = checked(dds_create_writer(publisher, topic, qos, NULL), "command");
@@ -95,7 +96,7 @@ static bool take_groom(dds_entity_t reader, uint32_t* strands, uint32_t* vertice
 }
 
 static bool is_as_sent(const GuideChunk* chunk) {
-  if (chunk->encoding != strandcast_v6_ENCODING_FLOAT32 || chunk->payload._length != 12 * chunk->vertex_count)
+  if (chunk->encoding != kFloat32 || chunk->writers != 1 || chunk->payload._length != 12 * chunk->vertex_count)
     return false;
   for (uint32_t v = 0; v < chunk->vertex_count; ++v) {
     float position[3];
@@ -154,7 +155,7 @@ static void take_colliders(dds_entity_t reader) {
   dds_sample_info_t infos[kTake];
   const int count = dds_take(reader, samples, infos, kTake, kTake);
   for (int i = 0; i < count; ++i) {
-    const strandcast_v6_ColliderChunk* chunk = samples[i];
+    const strandcast_v7_ColliderChunk* chunk = samples[i];
     if (!infos[i].valid_data) continue;
     shapes += chunk->kinds._length;
     words += chunk->words._length;
@@ -206,13 +207,13 @@ int main(int argc, char** argv) {
       checked(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
   const dds_entity_t subscriber = subscriber_in(participant, "groom1");
   const dds_entity_t groom =
-      reader_of(participant, subscriber, &strandcast_v6_GroomChunk_desc, "strandcast/groom", 1, true);
+      reader_of(participant, subscriber, &strandcast_v7_GroomChunk_desc, "strandcast/groom", 1, true);
   const dds_entity_t colliders =
-      reader_of(participant, subscriber, &strandcast_v6_ColliderChunk_desc, "strandcast/colliders", 1, true);
+      reader_of(participant, subscriber, &strandcast_v7_ColliderChunk_desc, "strandcast/colliders", 1, true);
   const dds_entity_t guides =
-      reader_of(participant, subscriber, &strandcast_v6_GuideChunk_desc, "strandcast/guides", 4, false);
+      reader_of(participant, subscriber, &strandcast_v7_GuideChunk_desc, "strandcast/guides", 4, false);
   const dds_entity_t status =
-      reader_of(participant, participant, &strandcast_v6_Status_desc, "strandcast/status", 1, true);
+      reader_of(participant, participant, &strandcast_v7_Status_desc, "strandcast/status", 1, true);
   const dds_entity_t writer = command_writer_in(participant, "groom1");
 
   const dds_time_t start = dds_time(), end = start + DDS_SECS(15);
@@ -229,7 +230,7 @@ int main(int argc, char** argv) {
       if (dds_time() - asked > DDS_MSECS(500) && !has_answer) {
         asked = dds_time();
         double values[] = {3, 0, 0};
-        strandcast_v6_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
+        strandcast_v7_Command command = {.id = id, .groom_id = 1, .kind = 0, .name = "wind"};
         command.values._buffer = values;
         command.values._length = command.values._maximum = 3;
         checked(dds_write(writer, &command), "write");

@@ -299,6 +299,10 @@ TEST_F(BoundPicture, HasBothKindsOfHairAndForgetsBoundHairsWithTheGroom) {
   renderer.setGroom(groom_);
   EXPECT_EQ(red(renderer), without);
   EXPECT_EQ(renderer.statistics().hairs_bound, 0u);
+  groom_.growth = GroomDescription::kHairs;
+  renderer.setGroom(groom_);
+  renderer.setHairs(hairs_);
+  EXPECT_EQ(renderer.statistics().hairs_grown, 64u) << "none from the seed";
 }
 
 TEST_F(BoundPicture, RadiiCountInsteadOfTheWidthOfTheSettings) {

@@ -17,6 +17,15 @@ TEST(Camera, OrbitLooksAtTheFaceAndFillsThePicture) {
   EXPECT_TRUE(orbit(Box(), 1, 1, 0).eye.allFinite());
 }
 
+TEST(Camera, AtZoomOneTheSphereIsAsHighAsThePicture) {
+  const Box box(Vec3(-0.1f, 0, 0.2f), Vec3(0.1f, 0.4f, 0.3f));
+  EXPECT_NEAR(heightsInPicture(orbit(box, 0.3f, 0.2f, 1), box), 1, 1e-4f);
+  EXPECT_LT(heightsInPicture(orbit(box, 0, 0, 0.1f), box), 0.11f);
+  Camera inside;
+  inside.eye = Vec3(box.center());
+  EXPECT_GT(heightsInPicture(inside, box), 1e30f);
+}
+
 TEST(Camera, MatricesPutTheTargetInTheMiddleAndTheNearPlaneAtMinusOne) {
   const Vec3 eye(1, 2, 3), target(0, 0.5f, 0);
   const Eigen::Matrix4f clip = perspective(0.6f, 1.5f, 0.1f, 10) * viewMatrix(eye, target);

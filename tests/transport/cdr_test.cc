@@ -26,11 +26,13 @@ void forEachMessage(const Check& check) {
     check(Message(), std::string(" empty"));
   };
   both(std::type_identity<GroomChunk>());
+  both(std::type_identity<HairChunk>());
   both(std::type_identity<BodyChunk>());
   both(std::type_identity<ColliderChunk>());
   both(std::type_identity<GuideChunk>());
   both(std::type_identity<Command>());
   both(std::type_identity<Status>());
+  both(std::type_identity<ReaderReport>());
   both(std::type_identity<Claim>());
   both(std::type_identity<ShowChunk>());
 }

@@ -52,6 +52,7 @@ TEST(DdsBuild, SaysWhyWhenThereIsNone) {
 }
 
 TEST_F(Dds, HairsReachPresentAndLateReaders) {
+  constexpr milliseconds kPatience{30000};  // for a loaded machine
   const int domain = testDomain(0);
   const auto publisher = makeDdsPublisher({domain, 1, 11, {}});
   const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
@@ -60,23 +61,24 @@ TEST_F(Dds, HairsReachPresentAndLateReaders) {
   const float error = 1.001f * CodecOptions().hair_error;
   publisher->announce(groom, sampleBody(20));
   publisher->announceHairs(hairs);
-  ASSERT_TRUE(becomesTrue([&] { return subscriber->hairs() != nullptr; }));
+  ASSERT_TRUE(becomesTrue([&] { return subscriber->hairs() != nullptr; }, kPatience));
   EXPECT_TRUE(areAlike(*subscriber->hairs(), hairs, error));
   // Fewer chunks than before, and then none: a late joiner must get only those of its groom.
   const HairDescription fewer = boundHairs(groom.guides, 2000);
   groom.revision = 2;
   publisher->announce(groom, sampleBody(20));
   publisher->announceHairs(fewer);
-  ASSERT_TRUE(becomesTrue([&] { return subscriber->hairs() && subscriber->hairs()->revision == 2; }));
+  ASSERT_TRUE(
+      becomesTrue([&] { return subscriber->hairs() && subscriber->hairs()->revision == 2; }, kPatience));
   {
     const auto late = makeDdsSubscriber({domain, 1, 0, {}});
-    ASSERT_TRUE(becomesTrue([&] { return late->hairs() != nullptr; }));
+    ASSERT_TRUE(becomesTrue([&] { return late->hairs() != nullptr; }, kPatience));
     EXPECT_TRUE(areAlike(*late->hairs(), fewer, error));
     EXPECT_EQ(late->statistics().chunks_rejected, 0u);
   }
   groom.revision = 3;
   publisher->announce(groom, sampleBody(20));
-  ASSERT_TRUE(becomesTrue([&] { return subscriber->groom()->revision == 3; }));
+  ASSERT_TRUE(becomesTrue([&] { return subscriber->groom()->revision == 3; }, kPatience));
   EXPECT_FALSE(subscriber->hairs());
   EXPECT_EQ(subscriber->statistics().chunks_rejected, 0u);
 }

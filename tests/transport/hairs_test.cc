@@ -22,6 +22,7 @@ constexpr float kError = 1.001f * kDefaultHairError;  // m
 std::shared_ptr<const GroomDescription> someGroom(uint32_t revision = 1) {
   auto groom = std::make_shared<GroomDescription>(hairGroom(200, [](size_t s) { return 2 + s % 30; }));
   groom->revision = revision;
+  groom->growth = GroomDescription::kHairs;
   return groom;
 }
 
@@ -133,7 +134,9 @@ TEST(Hairs, OfAnInProcessChannelAreExactAndThoseOfItsGroom) {
   expectError([&, end = publisher.get()] { end->announceHairs(hairs); }, {"no groom was announced"});
   publisher->announce(*groom, sampleBody(4));
   EXPECT_FALSE(subscriber->hairs());
+  EXPECT_FALSE(subscriber->waitForGroom(std::chrono::milliseconds(1))) << "it says that hairs follow";
   publisher->announceHairs(hairs);
+  EXPECT_TRUE(subscriber->waitForGroom(std::chrono::milliseconds(1)));
   const auto got = subscriber->hairs();  // a late reader calls this first
   ASSERT_TRUE(got);
   EXPECT_TRUE(areAlike(*got, hairs, 0));

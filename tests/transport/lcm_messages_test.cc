@@ -7,15 +7,15 @@
 #include "bound_hairs.h"
 #include "message_fuzz.h"
 #include "moving_hair.h"
-#include "strandcast_v6/body_chunk_t.hpp"
-#include "strandcast_v6/collider_chunk_t.hpp"
-#include "strandcast_v6/command_t.hpp"
-#include "strandcast_v6/groom_chunk_t.hpp"
-#include "strandcast_v6/guide_chunk_t.hpp"
-#include "strandcast_v6/hair_chunk_t.hpp"
-#include "strandcast_v6/pose_samples_t.hpp"
-#include "strandcast_v6/reader_t.hpp"
-#include "strandcast_v6/status_t.hpp"
+#include "strandcast_v7/body_chunk_t.hpp"
+#include "strandcast_v7/collider_chunk_t.hpp"
+#include "strandcast_v7/command_t.hpp"
+#include "strandcast_v7/groom_chunk_t.hpp"
+#include "strandcast_v7/guide_chunk_t.hpp"
+#include "strandcast_v7/hair_chunk_t.hpp"
+#include "strandcast_v7/pose_samples_t.hpp"
+#include "strandcast_v7/reader_t.hpp"
+#include "strandcast_v7/status_t.hpp"
 #include "transport/chunks.h"
 #include "transport/codec/hair_codec.h"
 #include "transport/lcm/lcm_ends.h"
@@ -46,7 +46,7 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
   const GroomDescription groom = sampleGroom(1500, [](size_t s) { return 2 + s % 20; });
   for (const GroomChunk& chunk : splitGroom(groom)) {
     GroomChunk back;
-    const auto wire = throughGenerated<strandcast_v6::groom_chunk_t>(chunk, back);
+    const auto wire = throughGenerated<strandcast_v7::groom_chunk_t>(chunk, back);
     EXPECT_EQ(wire.name, "sample");
     EXPECT_EQ(wire.first_vertex, static_cast<int32_t>(chunk.first_vertex));
     EXPECT_EQ(wire.positions, chunk.positions);
@@ -58,7 +58,7 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
   for (const HairChunk& chunk :
        encodeHairs(boundHairs(groom.guides, 2000), groom.guides, kDefaultHairError)) {
     HairChunk back;
-    const auto wire = throughGenerated<strandcast_v6::hair_chunk_t>(chunk, back);
+    const auto wire = throughGenerated<strandcast_v7::hair_chunk_t>(chunk, back);
     EXPECT_EQ(wire.vertex_count, static_cast<int32_t>(chunk.vertex_count));
     EXPECT_EQ(back.uv_box, chunk.uv_box);
     EXPECT_EQ(back.radius_step, chunk.radius_step);
@@ -66,14 +66,14 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
   }
   for (const BodyChunk& chunk : splitBody(sampleBody(60))) {
     BodyChunk back;
-    const auto wire = throughGenerated<strandcast_v6::body_chunk_t>(chunk, back);
+    const auto wire = throughGenerated<strandcast_v7::body_chunk_t>(chunk, back);
     EXPECT_EQ(wire.total_triangles, static_cast<int32_t>(chunk.total_triangles));
     EXPECT_EQ(back.triangles, chunk.triangles);
     EXPECT_EQ(back.head_weights, chunk.head_weights);
   }
   for (const ColliderChunk& chunk : splitColliders(sampleColliders())) {
     ColliderChunk back;
-    const auto wire = throughGenerated<strandcast_v6::collider_chunk_t>(chunk, back);
+    const auto wire = throughGenerated<strandcast_v7::collider_chunk_t>(chunk, back);
     EXPECT_EQ(wire.total_words, static_cast<int32_t>(chunk.total_words));
     EXPECT_EQ(back.numbers, chunk.numbers);
     EXPECT_EQ(back.kinds, chunk.kinds);
@@ -83,37 +83,42 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
   frame.publish_time = 0xfedcba9876543210;
   for (const GuideChunk& chunk : splitFrame(groom, frame)) {
     GuideChunk back;
-    const auto wire = throughGenerated<strandcast_v6::guide_chunk_t>(chunk, back);
+    const auto wire = throughGenerated<strandcast_v7::guide_chunk_t>(chunk, back);
     EXPECT_EQ(static_cast<uint64_t>(wire.publish_time), chunk.publish_time);
     EXPECT_EQ(wire.head_rotation[1], 0.8f);
     EXPECT_EQ(back.head_rotation, chunk.head_rotation);
     EXPECT_EQ(back.simulation_time, chunk.simulation_time);
     EXPECT_EQ(back.payload, chunk.payload);
     EXPECT_EQ(back.collider_poses, chunk.collider_poses);
+    EXPECT_EQ(wire.writers, 1);
   }
   Command command{3, 77, CommandKind::kHeadMotion, "nod", {1.5, -2}}, command_back;
-  EXPECT_EQ(throughGenerated<strandcast_v6::command_t>(command, command_back).values, command.values);
+  EXPECT_EQ(throughGenerated<strandcast_v7::command_t>(command, command_back).values, command.values);
   EXPECT_EQ(command_back.name, "nod");
   EXPECT_EQ(command_back.kind, CommandKind::kHeadMotion);
   PoseSamples poses = samplePoses(), poses_back;
   poses.scales = {1, 2, 3};
-  const auto pose_wire = throughGenerated<strandcast_v6::pose_samples_t>(poses, poses_back);
+  const auto pose_wire = throughGenerated<strandcast_v7::pose_samples_t>(poses, poses_back);
   EXPECT_EQ(pose_wire.names, poses.names);
   EXPECT_EQ(static_cast<uint64_t>(pose_wire.time), poses.time);
   EXPECT_EQ(poses_back.ages, poses.ages);
   EXPECT_EQ(poses_back.poses, poses.poses);
   EXPECT_EQ(poses_back.scales, poses.scales);
   EXPECT_EQ(poses_back.weights, poses.weights);
-  ReaderHeartbeat sign{99, 3, true}, sign_back;
-  EXPECT_EQ(throughGenerated<strandcast_v6::reader_t>(sign, sign_back).wants_groom, 1);
-  EXPECT_TRUE(sign_back.wants_groom);
+  ReaderReport report, report_back;
+  report.reader = 99;
+  report.wants = ReaderReport::kColliders;
+  report.pixels = 640;
+  EXPECT_EQ(throughGenerated<strandcast_v7::reader_t>(report, report_back).pixels, 640);
+  EXPECT_EQ(report_back.wants, ReaderReport::kColliders);
   Status status, status_back;
   status.session = 5;
   status.encoding = {"delta16", 1e-5, 9e-6, 1234, 7};
   status.groom_name = "bob";
   status.last_command_error = std::string(400, 'x');
   status.parameters = parameterTable(Parameters());
-  const auto wire = throughGenerated<strandcast_v6::status_t>(status, status_back);
+  status.metrics = {"rate budget_ms", {60, 16}};
+  const auto wire = throughGenerated<strandcast_v7::status_t>(status, status_back);
   EXPECT_EQ(wire.frame_bytes, 1234);
   EXPECT_EQ(wire.last_command_error.size(), kMaxTextBytes);
   EXPECT_EQ(status_back.encoding.codec, "delta16");
@@ -122,6 +127,8 @@ TEST(LcmMessages, AreThoseOfTheSchema) {
   EXPECT_EQ(wire.parameter_components, status.parameters.components);
   EXPECT_EQ(wire.parameter_values, status.parameters.values);
   EXPECT_EQ(namedValues(status_back.parameters), namedValues(status.parameters));
+  EXPECT_EQ(wire.metric_values, status.metrics.values);
+  EXPECT_EQ(status_back.metrics.names, status.metrics.names);
 }
 
 TEST(LcmMessages, ChannelsOfEveryGroomHaveNamesThatLcmTakes) {

@@ -281,7 +281,8 @@ TEST(Lcm, HairsReachPresentAndLateReaders) {
   const auto link = std::make_shared<LossyLink>();
   const auto publisher = makeLcmPublisher(link, options(11));
   const auto present = makeLcmSubscriber(link, options(0));
-  const GroomDescription groom = hair(500);
+  GroomDescription groom = hair(500);
+  groom.growth = GroomDescription::kHairs;
   const HairDescription hairs = boundHairs(groom.guides, 8000);  // of more chunks than are repeated unasked
   publisher->announce(groom, sampleBody(20));
   publisher->announceHairs(hairs);
@@ -294,8 +295,16 @@ TEST(Lcm, HairsReachPresentAndLateReaders) {
   EXPECT_TRUE(areAlike(*late->hairs(), hairs, error));
   EXPECT_EQ(present->hairs(), first) << "repeated hairs are no new ones";
   EXPECT_EQ(late->statistics().chunks_rejected, 0u);
+  {
+    link->setLosses({0.3, 0.05, 0.05, 7});
+    const auto unlucky = makeLcmSubscriber(link, options(0));
+    ASSERT_TRUE(becomesTrue([&] { return unlucky->hairs() != nullptr; })) << "it asks until all are here";
+    EXPECT_TRUE(areAlike(*unlucky->hairs(), hairs, error));
+    link->setLosses({});
+  }
   GroomDescription next = groom;
   next.revision = 2;
+  next.growth = GroomDescription::kFromSeed;
   publisher->announce(next, sampleBody(20));
   ASSERT_TRUE(becomesTrue([&] { return late->groom()->revision == 2; }));
   EXPECT_FALSE(late->hairs()) << "the new groom has none";

@@ -11,6 +11,7 @@
 #include "transport/cdr.h"
 #include "transport/codec/hair_codec.h"
 #include "transport/lcm/lcm_messages.h"
+#include "transport/metrics.h"
 #include "transport/parameter_table.h"
 #include "transport/pose_inbox.h"
 #include "transport/show.h"
@@ -52,11 +53,12 @@ void use(PoseSamples& samples) {
   if (!allFinite(taken.poses)) std::abort();
 }
 void use(Command& command) { isSound(command); }
-void use(ReaderHeartbeat&) {}
+void use(ReaderReport& report) { isSound(report); }
 void use(Status& status) {
   if (isSound(status.parameters) &&
       namedValues(status.parameters).size() != status.parameters.components.size())
     std::abort();
+  if (isSound(status.metrics)) namedValues(status.metrics);
 }
 void use(Claim&) {}
 void use(const Show& show) {
@@ -90,10 +92,18 @@ struct CdrType {
   size_t (*use)(std::span<const uint8_t> bytes);
 };
 const CdrType kCdrTypes[] = {
-    {"groom", useCdr<GroomChunk>},        {"hairs", useCdr<HairChunk>},   {"body", useCdr<BodyChunk>},
-    {"colliders", useCdr<ColliderChunk>}, {"guides", useCdr<GuideChunk>}, {"pose", useCdr<PoseSamples>},
-    {"command", useCdr<Command>},         {"status", useCdr<Status>},     {"claim", useCdr<Claim>},
-    {"show", useCdr<ShowChunk>}};
+    {"groom", useCdr<GroomChunk>},        {"hairs", useCdr<HairChunk>},    {"body", useCdr<BodyChunk>},
+    {"colliders", useCdr<ColliderChunk>}, {"guides", useCdr<GuideChunk>},  {"pose", useCdr<PoseSamples>},
+    {"command", useCdr<Command>},         {"status", useCdr<Status>},      {"claim", useCdr<Claim>},
+    {"show", useCdr<ShowChunk>},          {"reader", useCdr<ReaderReport>}};
+
+ReaderReport sampleReport() {
+  ReaderReport report;
+  report.reader = report.session = 5;
+  report.wants = ReaderReport::kGroomAndBody;
+  report.pixels = 700;
+  return report;
+}
 
 Show fuzzedShow() {
   Show show;
@@ -107,8 +117,7 @@ size_t fuzzMessages(const uint8_t* data, size_t size) {
   const std::span<const uint8_t> bytes(data, size);
   size_t read = useLcm<GroomChunk>(bytes) + useLcm<BodyChunk>(bytes) + useLcm<ColliderChunk>(bytes) +
                 useLcm<HairChunk>(bytes) + useLcm<GuideChunk>(bytes) + useLcm<PoseSamples>(bytes) +
-                useLcm<Command>(bytes) +
-                useLcm<ReaderHeartbeat>(bytes) + useLcm<Status>(bytes);
+                useLcm<Command>(bytes) + useLcm<ReaderReport>(bytes) + useLcm<Status>(bytes);
   if (const auto show = showOf(bytes)) ++read, use(*show);
   return read;
 }
@@ -161,6 +170,7 @@ void addSamples(const Add& add) {
   telling.session = 5;
   telling.groom_name = "bob";
   telling.parameters = parameterTable(Parameters());
+  telling.metrics = {"rate budget_ms", {60, 16}};
   add("status", telling);
 }
 
@@ -175,7 +185,7 @@ std::vector<uint8_t>& nextInput(std::vector<FuzzSeeds>& seeds, const std::string
 std::vector<FuzzSeeds> messageSeeds() {
   std::vector<FuzzSeeds> seeds;
   addSamples([&](const char* of, const auto& message) { toBytes(message, nextInput(seeds, of)); });
-  toBytes(ReaderHeartbeat{1, 1, true}, nextInput(seeds, "reader"));
+  toBytes(sampleReport(), nextInput(seeds, "reader"));
   Show show = fuzzedShow();
   nextInput(seeds, "show") = showBytes(show);
   show.hair.positions = show.hair.velocities = {{1, 2, 3}, {4, 5, 6}};
@@ -196,6 +206,7 @@ std::vector<FuzzSeeds> cdrSeeds() {
   addSamples(add);
   add("claim", Claim{5, 1});
   add("show", splitShow(fuzzedShow(), 1).at(0));
+  add("reader", sampleReport());
   return seeds;
 }
 

@@ -118,7 +118,7 @@ std::vector<FuzzSeeds> recordingSeeds() {
     options.source = "how it was made";
     Recorder recorder(file, options);
     for (const uint64_t session : {11, 12}) {
-      GroomDescription groom = hairGroom(18, [](size_t s) { return 2 + s % 5; });
+      GroomDescription groom = hairGroom(16, [](size_t s) { return 2 + s % 5; });
       groom.session = session;
       recorder.setGroom(groom, sampleBody(4));
       if (session == 11)

@@ -19,6 +19,7 @@
 #include "tests/io/scratch_folder.h"
 #include "transport/in_process.h"
 #include "transport/message_bytes.h"
+#include "transport/recording/old_messages.h"
 #include "transport/recording/recorder.h"
 #include "transport/wire_fields.h"
 
@@ -336,7 +337,7 @@ TEST(RecordingTest, WhatIsNoRecordingIsRefused) {
   EXPECT_THROW(Recording(folder / "text.rec"), Error);
   record(folder / "a.rec", 3);
   std::vector<uint8_t> bytes = bytesOf(folder / "a.rec");
-  bytes[sizeof kRecordingMagic + kRecordHeadBytes + 3] = 4;  // version
+  bytes[sizeof kRecordingMagic + kRecordHeadBytes + 3] = 5;  // version
   repairHashes(bytes);
   try {
     Recording(std::make_unique<RecordingInMemory>(bytes), "later.rec");
@@ -361,12 +362,19 @@ void expectOldVersionIsRead(uint32_t version) {
       std::vector<uint8_t> bytes(record.bytes.begin(), record.bytes.end());
       if (record.kind == RecordKind::kHead) storeBigEndian(version, bytes.data());
       if (record.kind == RecordKind::kIndex || record.kind == RecordKind::kEnd) continue;
-      if (record.kind == RecordKind::kGuides) {
-        GuideChunk chunk;
-        MessageReader message(record.bytes);
-        fields(message, chunk, std::type_identity<GuideChunk>());
-        MessageWriter old(bytes);
-        fields(old, chunk, std::type_identity<OldChunk>());
+      MessageReader present(record.bytes);
+      const auto convert = [&]<class Present, class Old>(Present chunk, std::type_identity<Old> old) {
+        fields(present, chunk, std::type_identity<Present>());
+        MessageWriter old_record(bytes);
+        fields(old_record, chunk, old);
+      };
+      if (record.kind == RecordKind::kGroom) convert(GroomChunk(), std::type_identity<GroomChunk6>());
+      if (record.kind == RecordKind::kGuides) convert(GuideChunk(), std::type_identity<OldChunk>());
+      if (record.kind == RecordKind::kFrame) {
+        FrameRecord frame;
+        recordFields(present, frame, std::type_identity<FrameRecord>());
+        MessageWriter old_record(bytes);
+        recordFields(old_record, frame, std::type_identity<FrameRecord3>());
       }
       writer.write(record.kind, bytes);
     }
@@ -379,11 +387,14 @@ void expectOldVersionIsRead(uint32_t version) {
     old.read(number, a);
     now.read(number, b);
     EXPECT_EQ(a.frame->positions, b.frame->positions);
+    EXPECT_EQ(a.record.state_hash, b.record.state_hash);
+    EXPECT_EQ(a.groom->growth, GroomDescription::kFromSeed);
   }
 }
 
 TEST(RecordingTest, OnesOfVersion1AreRead) { expectOldVersionIsRead<GuideChunk3>(1); }
 TEST(RecordingTest, OnesOfVersion2AreRead) { expectOldVersionIsRead<GuideChunk5>(2); }
+TEST(RecordingTest, OnesOfVersion3AreRead) { expectOldVersionIsRead<GuideChunk6>(3); }
 
 /// Of all that a decoded frame tells of its guides, head and colliders.
 uint64_t contentHash(const GuideFrame& frame) {

@@ -3,6 +3,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -91,6 +92,50 @@ TEST(RogueWriter, BadSamplesOnEveryTopicDoNoHarm) {
     EXPECT_TRUE(isSampleFrame(*frame));
   }
   EXPECT_EQ(subscriber->statistics().frames_lost, 0u);
+}
+
+TEST(Readers, AReaderThatLacksTheGroomForLongGetsItAgain) {
+  const int domain = testDomain(21);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  const GroomDescription groom = uniformGroom(100, 10);
+  publisher->announce(groom, sampleBody(20));
+  std::atomic<int> grooms{0}, bodies{0};
+  SampleListener<GroomChunk> groom_listener([&](GroomChunk&, const auto&) { ++grooms; });
+  SampleListener<BodyChunk> body_listener([&](BodyChunk&, const auto&) { ++bodies; });
+  DdsParticipant reader(DdsNetwork(domain), 1);
+  reader.createReader(kGroomTopic, new WireType<GroomChunk>, &groom_listener);
+  reader.createReader(kBodiesTopic, new WireType<BodyChunk>, &body_listener);
+  ASSERT_TRUE(trueWithin(std::chrono::seconds(5), [&] { return grooms == 1 && bodies == 1; }));
+  MatchCounter daemons;
+  auto* const writer = reader.createWriter(kReadersTopic, new WireType<ReaderReport>, &daemons);
+  ASSERT_TRUE(isMatched(daemons));
+  ReaderReport report;
+  report.reader = 5;
+  report.groom_id = 1;
+  report.pixels = 320;
+  report.wants = ReaderReport::kGroomAndBody;
+  uint64_t frame = 0;
+  const auto isRepeated = [&] {
+    writer->write(&report);
+    publisher->publish(sampleFrame(groom, ++frame));
+    return grooms > 1 && bodies > 1;
+  };
+  EXPECT_TRUE(trueWithin(std::chrono::seconds(5), isRepeated));
+  EXPECT_EQ(publisher->readers().largest_pixels, 320);
+}
+
+TEST(Readers, TellTheSizeOfTheirPictures) {
+  const int domain = testDomain(22);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
+  EXPECT_EQ(publisher->readers().largest_pixels, -1);
+  const auto becomes = [&](float pixels) {
+    return trueWithin(std::chrono::seconds(5), [&] { return publisher->readers().largest_pixels == pixels; });
+  };
+  for (const float pixels : {640.0f, 0.0f, 12.0f, -1.0f}) {
+    subscriber->setPictures(pixels, 60);
+    EXPECT_TRUE(becomes(pixels)) << pixels;
+  }
 }
 
 TEST(Claims, AStatusThatComesBeforeItsClaimIsNoRivals) {
@@ -214,6 +259,26 @@ TEST(Neighbours, TheStrengthOfAClaimIsKnown) {
   };
   EXPECT_TRUE(trueWithin(std::chrono::seconds(5), [&] { return strength() == 4000000000u; }));
   EXPECT_FALSE(neighbours.hasDaemonWithoutWriters(1, std::chrono::milliseconds(0)));
+}
+
+TEST(Neighbours, ProgramsOfAnotherVersionAreNamedAndAreNoRivals) {
+  const int domain = testDomain(20);
+  const auto publisher = makeDdsPublisher({domain, 1, 11, {Codec::kFloat32}});
+  const auto subscriber = makeDdsSubscriber({domain, 1, 0, {}});
+  const auto becomesTrue = [](const auto& condition) {
+    return trueWithin(std::chrono::seconds(5), condition);
+  };
+  DdsParticipant daemon(DdsNetwork(domain), 1, DdsRole{true, 1, false}),
+      of_another_groom(DdsNetwork(domain), 2, DdsRole{true, 2, false}),
+      reader(DdsNetwork(domain), 1, DdsRole{false, 1, false});
+  of_another_groom.createWriter(kGuidesTopic, new RawType("strandcast::v5::GuideChunk"), nullptr);
+  EXPECT_TRUE(becomesTrue([&] { return publisher->possibleConflicts() == 1; }));
+  EXPECT_FALSE(subscriber->otherVersion() || publisher->otherVersion());
+  daemon.createWriter(kGuidesTopic, new RawType("strandcast::v6::GuideChunk"), nullptr);
+  reader.createReader(kGuidesTopic, new RawType("strandcast::v8::GuideChunk"), nullptr);
+  EXPECT_TRUE(becomesTrue([&] { return subscriber->otherVersion() == OtherVersion{true, 6, 6}; }));
+  EXPECT_TRUE(becomesTrue([&] { return publisher->otherVersion() == OtherVersion{false, 0, 0}; }));
+  EXPECT_TRUE(becomesTrue([&] { return publisher->possibleConflicts() == 0; }));
 }
 
 TEST(Neighbours, ADaemonListensForLongOnlyWhereARivalMayBe) {

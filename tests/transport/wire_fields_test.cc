@@ -36,7 +36,6 @@ class IdlText {
  private:
   template <class Number>
   static std::string type() {
-    if constexpr (std::is_same_v<Number, Encoding>) return "Encoding";
     if constexpr (std::is_floating_point_v<Number>) return sizeof(Number) == 8 ? "double" : "float";
     switch (sizeof(Number)) {
       case 8:
@@ -64,7 +63,6 @@ class LcmText {
   void number(const char* name, const Number&) {
     line(lcmType<Number>(), name);
   }
-  void flag(const char* name, bool) { line("int32_t", name); }
   void text(const char* name, const std::string&, size_t) { line("string", name); }
   template <class Number, size_t kLength>
   void items(const char* name, const std::array<Number, kLength>&) {
@@ -120,6 +118,7 @@ TEST(WireFields, AreThoseOfTheIdl) {
   expectIdl<PoseSamples>();
   expectIdl<Command>();
   expectIdl<Status>();
+  expectIdl<ReaderReport>();
   expectIdl<Claim>();
   expectIdl<ShowChunk>();
 }
@@ -134,7 +133,7 @@ TEST(WireFields, AreThoseOfTheLcmSchema) {
   EXPECT_EQ((listed<LcmText, PoseSamples>()), lcm("pose_samples_t"));
   EXPECT_EQ((listed<LcmText, Command>()), lcm("command_t"));
   EXPECT_EQ((listed<LcmText, Status>()), lcm("status_t"));
-  EXPECT_EQ((listed<LcmText, ReaderHeartbeat>()), lcm("reader_t"));
+  EXPECT_EQ((listed<LcmText, ReaderReport>()), lcm("reader_t"));
 }
 
 template <class Message>
@@ -153,12 +152,13 @@ void expectGoldenLcm(const std::string& name) {
 
 TEST(WireFields, GiveTheGoldenBytesOfLcm) {
   expectGoldenLcm<GroomChunk>("GroomChunk");
+  expectGoldenLcm<HairChunk>("HairChunk");
   expectGoldenLcm<BodyChunk>("BodyChunk");
   expectGoldenLcm<ColliderChunk>("ColliderChunk");
   expectGoldenLcm<GuideChunk>("GuideChunk");
   expectGoldenLcm<Command>("Command");
   expectGoldenLcm<Status>("Status");
-  expectGoldenLcm<ReaderHeartbeat>("ReaderHeartbeat");
+  expectGoldenLcm<ReaderReport>("ReaderReport");
 }
 
 TEST(WireFields, LongTextsAreCutAndLongArraysRefused) {

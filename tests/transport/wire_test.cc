@@ -84,12 +84,14 @@ void expectGolden() {
 
 TEST(Wire, BytesAndKeysAreTheGoldenOnes) {
   expectGolden<GroomChunk>();
+  expectGolden<HairChunk>();
   expectGolden<BodyChunk>();
   expectGolden<ColliderChunk>();
   expectGolden<GuideChunk>();
   expectGolden<Command>();
   expectGolden<Status>();
   expectGolden<ShowChunk>();
+  expectGolden<ReaderReport>();
   expectGolden<Claim>();
 }
 

@@ -45,7 +45,6 @@ class LcmFingerprint {
   void number(std::string_view name, const Number&) {
     member(name, lcmType<Number>(), 0);
   }
-  void flag(std::string_view name, bool) { member(name, lcmType<uint32_t>(), 0); }
   void text(std::string_view name, const std::string&, size_t) { member(name, "string", 0); }
   template <class Number, size_t kLength>
   void items(std::string_view name, const std::array<Number, kLength>&) {

@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -16,6 +18,8 @@
 #include "transport/lcm/lcm_messages.h"
 #include "transport/pose_inbox.h"
 #include "transport/publisher.h"
+#include "transport/reader_reports.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -27,7 +31,7 @@ constexpr milliseconds kCarouselPeriod{1000}, kStatusPeriod{500}, kRepeatAtMost{
 /// Chunks of the description per burst; a gigabit network sustains this rate.
 constexpr size_t kBurst = 4;
 constexpr milliseconds kBetweenBursts{2};
-constexpr size_t kAnswersKept = 256, kMaxReaders = 4096;
+constexpr size_t kAnswersKept = 256;
 /// The last message of a publisher is repeated, because nothing is acknowledged.
 constexpr int kFinalStatusRepeats = 3;
 
@@ -41,7 +45,7 @@ class LcmPublisher final : public Publisher {
         link_(std::move(link)) {
     subscriptions_ = link_->listen({{channels_.command, [this](auto message) { receiveCommand(message); }},
                                     {channels_.pose, [this](auto message) { receivePoses(message); }},
-                                    {channels_.reader, [this](auto message) { receiveHeartbeat(message); }},
+                                    {channels_.reader, [this](auto message) { receiveReport(message); }},
                                     {channels_.status, [this](auto message) { receiveStatus(message); }}});
     publishStatus({});      // so that rivals learn of this session at once
     announceColliders({});  // so that readers do not wait for colliders
@@ -126,17 +130,19 @@ class LcmPublisher final : public Publisher {
   std::optional<Command> takeCommand() override { return commands_.take(); }
   std::optional<PoseSamples> takePoses() override { return poses_.take(); }
 
-  uint32_t matchedReaders() const override {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(readers_, [now = Clock::now()](const auto& r) { return now - r.second > kLcmSilence; });
-    return static_cast<uint32_t>(readers_.size());
-  }
+  uint32_t matchedReaders() const override { return static_cast<uint32_t>(reports_.count()); }
+  ReaderSummary readers() const override { return reports_.summary(); }
 
   EncodingReport encoding() const override { return announced_.encoding(); }
 
   std::optional<ConflictingDaemon> conflict() const override {
     const std::lock_guard lock(mutex_);
     return Clock::now() - conflict_heard_ > kLcmSilence ? std::nullopt : conflicting_;
+  }
+
+  std::optional<OtherVersion> otherVersion() const override {
+    const std::lock_guard lock(mutex_);
+    return Clock::now() - other_heard_ > kLcmSilence ? std::nullopt : other_;
   }
 
   std::chrono::milliseconds listenTime() const override { return kLcmListenTime; }
@@ -173,16 +179,23 @@ class LcmPublisher final : public Publisher {
     if (fromBytes(message, samples)) poses_.push(std::move(samples));
   }
 
-  void receiveHeartbeat(std::span<const uint8_t> message) {
-    ReaderHeartbeat heartbeat;
-    if (!fromBytes(message, heartbeat) || heartbeat.groom_id != options_.groom_id) return;
+  void receiveReport(std::span<const uint8_t> message) {
+    ReaderReport report;
+    if (const auto other = versionOfMessage(message, false)) return note(*other);
+    if (!fromBytes(message, report) || report.groom_id != options_.groom_id || !isSound(report)) return;
+    reports_.add(report);
+    if (report.wants == 0) return;
     const std::lock_guard lock(mutex_);
-    if (readers_.size() < kMaxReaders || readers_.contains(heartbeat.reader))
-      readers_[heartbeat.reader] = Clock::now();
-    if (!heartbeat.wants_groom) return;
     is_asked_ = true;
     repeat_due_ = std::min(repeat_due_, repeated_ + kRepeatAtMost);
     wake_.notify_all();
+  }
+
+  void note(const OtherVersion& other) {
+    const std::lock_guard lock(mutex_);
+    if (!other_) spdlog::warn(warningOf(other, options_.groom_id, "LCM " + options_.url));
+    other_ = other;
+    other_heard_ = Clock::now();
   }
 
   void receiveStatus(std::span<const uint8_t> message) {
@@ -274,6 +287,7 @@ class LcmPublisher final : public Publisher {
   PoseInbox poses_;
   AnnouncedGroom announced_;
   std::vector<uint8_t> guide_message_;
+  ReaderReports reports_;
 
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable wake_;
@@ -284,9 +298,10 @@ class LcmPublisher final : public Publisher {
   std::vector<uint8_t> status_message_;
   std::map<uint64_t, std::vector<uint8_t>> answers_;  // by command: the status that answered it
   std::deque<uint64_t> answered_;                     // keys of answers_, oldest first
-  mutable std::map<uint64_t, Clock::time_point> readers_;
-  std::optional<ConflictingDaemon> conflicting_;  // the last one heard
+  std::optional<ConflictingDaemon> conflicting_;      // the last one heard
   Clock::time_point conflict_heard_{};
+  std::optional<OtherVersion> other_;  // a reader's, the last one heard
+  Clock::time_point other_heard_{};
   uint64_t answered_session_ = 0;  // session of a starting daemon that was answered
   bool is_asked_ = false, stop_ = false;
 

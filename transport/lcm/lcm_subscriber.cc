@@ -1,7 +1,8 @@
+#include <spdlog/spdlog.h>
+
 #include <condition_variable>
 #include <map>
 #include <mutex>
-#include <random>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "transport/lcm/lcm_link.h"
 #include "transport/lcm/lcm_messages.h"
 #include "transport/receiving_subscriber.h"
+#include "transport/versions.h"
 
 namespace strandcast {
 namespace {
@@ -18,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kHeartbeatPeriod{1000}, kRequestPeriod{200};
+constexpr milliseconds kReportPeriod{1000}, kRequestPeriod{200};
 
 /// LCM has no writers: session and groom id identify a daemon.
 StatusBoard::WriterId writerId(const Status& status) {
@@ -35,8 +37,6 @@ class LcmSubscriber final : public ReceivingSubscriber {
         options_(options),
         channels_(options.groom_id),
         link_(std::move(link)) {
-    heartbeat_.reader = std::random_device()() | static_cast<uint64_t>(std::random_device()()) << 32;
-    heartbeat_.groom_id = options.groom_id;
     const MessageLink::Channel status{channels_.status, [this](auto message) { receiveStatus(message); }};
     if (!options.frames) {
       subscriptions_ = link_->listen({status});
@@ -49,17 +49,17 @@ class LcmSubscriber final : public ReceivingSubscriber {
                        {channels_.colliders, [this](auto message) { receiveColliders(message); }},
                        {channels_.guides, [this](auto message) { receiveGuides(message); }},
                        status});
-    heartbeat_thread_ = std::thread([this] { sendHeartbeats(); });
+    report_thread_ = std::thread([this] { sendReports(); });
   }
 
   ~LcmSubscriber() override {
     subscriptions_.clear();
     {
-      const std::lock_guard lock(heartbeat_mutex_);
+      const std::lock_guard lock(report_mutex_);
       stop_ = true;
     }
     wake_.notify_all();
-    if (heartbeat_thread_.joinable()) heartbeat_thread_.join();
+    if (report_thread_.joinable()) report_thread_.join();
   }
 
   std::optional<Status> status() const override {
@@ -71,6 +71,11 @@ class LcmSubscriber final : public ReceivingSubscriber {
     return ReceivingSubscriber::allStatuses();
   }
 
+  std::optional<OtherVersion> otherVersion() const override {
+    const std::lock_guard lock(heard_mutex_);
+    return Clock::now() - other_heard_ > kLcmSilence ? std::nullopt : other_;
+  }
+
   bool mayCommand() const override { return !isLcmLog(options_.url); }
   void send(const Command& command, const std::function<bool()>& gives_up) override {
     checkCommand(command, options_.groom_id);
@@ -79,9 +84,11 @@ class LcmSubscriber final : public ReceivingSubscriber {
     const auto deadline = Clock::now() + kAnswerTime;
     while (!status()) {
       if (Clock::now() > deadline || (gives_up && gives_up())) {
-        throw Error("no daemon answers",
-                    "groom " + std::to_string(options_.groom_id) + " on LCM " + options_.url,
-                    "start strandcastd --transport lcm, or check --domain, --lcm-url and the groom id");
+        const auto other = otherVersion();
+        throw Error(
+            "no daemon answers", "groom " + std::to_string(options_.groom_id) + " on LCM " + options_.url,
+            other ? warning(*other)
+                  : "start strandcastd --transport lcm, or check --domain, --lcm-url and the groom id");
       }
       std::this_thread::sleep_for(milliseconds(5));
     }
@@ -128,7 +135,10 @@ class LcmSubscriber final : public ReceivingSubscriber {
 
   void receiveGuides(std::span<const uint8_t> message) {
     ReceivingSubscriber::receiveGuides([&](GuideChunk& chunk) {
-      if (!fromBytes(message, chunk)) return false;
+      if (!fromBytes(message, chunk)) {
+        if (const auto other = versionOfMessage(message, true)) note(*other);
+        return false;
+      }
       const auto own = groom();
       const bool is_new = chunk.groom_id == options_.groom_id && own &&
                           (own->session != chunk.session || own->revision < chunk.revision);
@@ -139,12 +149,24 @@ class LcmSubscriber final : public ReceivingSubscriber {
 
   void receiveStatus(std::span<const uint8_t> message) {
     Status status;
+    if (isOldStatusOf(options_.groom_id, message)) note(*versionOfMessage(message, true));
     if (!fromBytes(message, status)) return;
     expireSilentDaemons();  // also while nobody calls status()
     const StatusBoard::WriterId id = writerId(status);
     if (!receive(std::move(status), id)) return;
     const std::lock_guard lock(heard_mutex_);
     heard_[id] = Clock::now();
+  }
+
+  void note(const OtherVersion& other) {
+    const std::lock_guard lock(heard_mutex_);
+    if (!other_) spdlog::warn(warning(other));
+    other_ = other;
+    other_heard_ = Clock::now();
+  }
+
+  std::string warning(const OtherVersion& other) const {
+    return warningOf(other, options_.groom_id, "LCM " + options_.url);
   }
 
   void expireSilentDaemons() const {
@@ -158,22 +180,35 @@ class LcmSubscriber final : public ReceivingSubscriber {
 
   /// After a new session or a changed groom.
   void requestGroom() {
-    const std::lock_guard lock(heartbeat_mutex_);
+    const std::lock_guard lock(report_mutex_);
     lacks_groom_ = true;
     wake_.notify_all();
   }
 
-  void sendHeartbeats() {
+  void sendReports() {
     std::vector<uint8_t> message;
-    std::unique_lock lock(heartbeat_mutex_);
-    while (!stop_) {
-      heartbeat_.wants_groom = std::exchange(lacks_groom_, false) || !groom() || !body() || !colliders();
-      toBytes(heartbeat_, message);
+    std::unique_lock lock(report_mutex_);
+    for (ReaderReport sent; !stop_;) {
+      const bool lacks_groom = std::exchange(lacks_groom_, false);
+      lock.unlock();  // receiveGuides() has the lock that report() takes, and takes this one
+      sent = report();
+      if (lacks_groom) sent.wants |= ReaderReport::kGroomAndBody;
+      toBytes(sent, message);
       link_->send(channels_.reader, message);
-      // A sign that asks is followed by the next after kRequestPeriod; a complete reader asks as soon as it
-      // lacks something.
-      wake_.wait_for(lock, heartbeat_.wants_groom ? kRequestPeriod : kHeartbeatPeriod,
-                     [&] { return stop_ || (lacks_groom_ && !heartbeat_.wants_groom); });
+      lock.lock();
+      if (sent.wants != 0) {
+        wake_.wait_for(lock, kRequestPeriod, [&] { return stop_; });
+        continue;
+      }
+      // A complete reader asks as soon as it lacks something.
+      const Clock::time_point due = Clock::now() + kReportPeriod;
+      while (!stop_ && !lacks_groom_ && Clock::now() < due) {
+        wake_.wait_for(lock, kRequestPeriod);
+        lock.unlock();
+        const bool is_urgent = isUrgent(sent, report());
+        lock.lock();
+        if (is_urgent) break;
+      }
     }
   }
 
@@ -181,15 +216,16 @@ class LcmSubscriber final : public ReceivingSubscriber {
   const LcmChannels channels_;
   mutable std::mutex heard_mutex_;
   mutable std::map<StatusBoard::WriterId, Clock::time_point> heard_;
+  std::optional<OtherVersion> other_;  // a daemon's, the last one heard
+  Clock::time_point other_heard_{};
 
-  std::mutex heartbeat_mutex_;  // guards all below
+  std::mutex report_mutex_;  // guards all below
   std::condition_variable wake_;
-  ReaderHeartbeat heartbeat_;
   bool lacks_groom_ = false, stop_ = false;
 
   std::shared_ptr<MessageLink> link_;
   std::vector<MessageLink::Subscription> subscriptions_;
-  std::thread heartbeat_thread_;
+  std::thread report_thread_;
 };
 
 }  // namespace

@@ -12,9 +12,8 @@
 
 namespace strandcast {
 
-/// Recordings of version 1 have guide chunks of wire version 3, without colliders; those of version 2 have
-/// chunks of wire version 5, without bends.
-inline constexpr uint32_t kRecordingVersion = 3;
+/// Messages of wire version 7. Older recordings: old_messages.h.
+inline constexpr uint32_t kRecordingVersion = 4;
 /// Frames per index, at most.
 inline constexpr size_t kIndexFrames = 1024;
 
@@ -35,6 +34,8 @@ struct FrameRecord {
   double time = 0;          ///< simulation time since the start of the file, s; never decreases
   uint64_t state_hash = 0;  ///< positionsHash() of the positions before encoding
   uint32_t chunks = 0;      ///< number of guide chunks that follow
+  uint64_t materials = 0;   ///< offset of the newest light materials; 0 = none: nothing writes them yet
+  uint64_t lights = 0;      ///< likewise of the lights
 };
 
 /// Offsets of the frames from first_number on: up to kIndexFrames of one groom.
@@ -98,6 +99,8 @@ void recordFields(Stream& s, auto& m, std::type_identity<FrameRecord>) {
   s.number(m.time);
   s.number(m.state_hash);
   s.number(m.chunks);
+  s.number(m.materials);
+  s.number(m.lights);
 }
 
 template <class Stream>

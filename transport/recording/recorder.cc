@@ -18,7 +18,7 @@ namespace {
 
 /// Stored in the file, for readers without this program.
 constexpr const char* kLayout =
-    "A recording of Strandcast, version 3. After the 8 bytes STRNDREC: records of uint32 kind, uint32 "
+    "A recording of Strandcast, version 4. After the 8 bytes STRNDREC: records of uint32 kind, uint32 "
     "length, "
     "uint64 hash (FNV-1a of the 4 bytes of kind and of what follows), length bytes. Numbers are big-endian, "
     "texts "
@@ -26,11 +26,13 @@ constexpr const char* kLayout =
     "groom id, "
     "float worst error in m, texts codec, layout, source); 2 groom, 3 body, 6 guides: the fields of "
     "groom_chunk_t, "
-    "body_chunk_t and guide_chunk_t of strandcast.lcm version 6 without their fingerprint; 4 input: "
+    "body_chunk_t and guide_chunk_t of strandcast.lcm version 7 without their fingerprint; 4 input: "
     "command_t, "
     "obeyed before the next frame; 5 frame (uint64 number from 0, double seconds, uint64 FNV-1a of all "
     "positions as "
-    "float32 little-endian, uint32 chunks of guides that follow); 7 index (uint64 place of the index before "
+    "float32 little-endian, uint32 chunks of guides that follow, "
+    "uint64 place of the newest light materials, of the newest lights or 0); 7 index (uint64 place of the "
+    "index before "
     "it or "
     "0, place of the groom, number of its first frame, arrays of places and seconds); 8 end (uint64 place of "
     "the "

@@ -7,6 +7,7 @@
 #include "transport/commands.h"
 #include "transport/message_bytes.h"
 #include "transport/pose_inbox.h"
+#include "transport/recording/old_messages.h"
 #include "transport/wire_fields.h"
 
 namespace strandcast {
@@ -24,6 +25,14 @@ bool parseMessage(std::span<const uint8_t> bytes, T& message) {
   MessageReader reader(bytes);
   fields(reader, message, std::type_identity<T>());
   return reader.atEnd();
+}
+
+template <class Old, class Message>
+bool parseOld(std::span<const uint8_t> bytes, Message& message) {
+  Old old;
+  if (!parseMessage(bytes, old)) return false;
+  message = std::move(old);
+  return true;
 }
 
 bool isSound(const IndexRecord& index) {
@@ -122,7 +131,7 @@ void Recording::scan() {
       if (inputs_at == 0) inputs_at = at;
     } else if (record.kind == RecordKind::kFrame) {
       FrameRecord frame;
-      if (!reader_.read(at, record) || !parseRecord(record.bytes, frame) || tail_.groom == 0 ||
+      if (!reader_.read(at, record) || !parseFrame(record.bytes, frame) || tail_.groom == 0 ||
           tail_.offsets.size() == kIndexFrames || frame.number != frames_ + tail_.offsets.size() ||
           !(frame.time >= (tail_.times.empty() ? seconds_ : tail_.times.back())) ||
           !std::isfinite(frame.time))
@@ -193,7 +202,7 @@ bool Recording::readGroom(uint64_t offset) {
   for (; (!shown_.groom || !shown_.body) && reader_.read(at, record); at = record.next) {
     if (record.kind == RecordKind::kGroom && !shown_.groom) {
       GroomChunk chunk;
-      if (!parseMessage(record.bytes, chunk)) return false;
+      if (!parseGroom(record.bytes, chunk)) return false;
       shown_.groom = grooms.add(std::move(chunk));
     } else if (record.kind == RecordKind::kBody) {
       BodyChunk chunk;
@@ -265,15 +274,29 @@ bool Recording::parsePoses(std::span<const uint8_t> bytes, uint64_t offset, Step
   return isSound(poses);
 }
 
+bool Recording::parseGroom(std::span<const uint8_t> bytes, GroomChunk& chunk) const {
+  return head_.version < 4 ? parseOld<GroomChunk6>(bytes, chunk) : parseMessage(bytes, chunk);
+}
+
+bool Recording::parseFrame(std::span<const uint8_t> bytes, FrameRecord& record) const {
+  if (head_.version >= 4) return parseRecord(bytes, record);
+  FrameRecord3 old;
+  const bool is_sound = parseRecord(bytes, old);
+  record = old;
+  return is_sound;
+}
+
 bool Recording::parseGuides(std::span<const uint8_t> bytes) {
-  const auto parseOld = [&](auto old) {
-    const bool sound = parseMessage(bytes, old);
-    if (sound) chunk_ = std::move(old);
-    return sound;
-  };
-  if (head_.version == 1) return parseOld(GuideChunk3());
-  if (head_.version == 2) return parseOld(GuideChunk5());
-  return parseMessage(bytes, chunk_);
+  switch (head_.version) {
+    case 1:
+      return parseOld<GuideChunk3>(bytes, chunk_);
+    case 2:
+      return parseOld<GuideChunk5>(bytes, chunk_);
+    case 3:
+      return parseOld<GuideChunk6>(bytes, chunk_);
+    default:
+      return parseMessage(bytes, chunk_);
+  }
 }
 
 bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
@@ -299,7 +322,7 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
       return false;
     out.inputs.push_back(std::move(command));
   }
-  if (record.kind != RecordKind::kFrame || !parseRecord(record.bytes, out.record) ||
+  if (record.kind != RecordKind::kFrame || !parseFrame(record.bytes, out.record) ||
       out.record.number != number)
     return false;
 
@@ -322,7 +345,7 @@ bool Recording::findEnd(uint64_t number, uint64_t& end) {
   uint64_t at = index->offsets[number - block.first_number];
   while (reader_.skim(at, record) && isInput(record.kind)) at = record.next;
   FrameRecord frame;
-  if (!reader_.read(at, record) || record.kind != RecordKind::kFrame || !parseRecord(record.bytes, frame) ||
+  if (!reader_.read(at, record) || record.kind != RecordKind::kFrame || !parseFrame(record.bytes, frame) ||
       frame.number != number)
     return false;
   for (uint32_t i = 0; i < frame.chunks; ++i)

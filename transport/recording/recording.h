@@ -75,6 +75,9 @@ class Recording {
   bool readGroom(uint64_t offset);
   bool readHairs(uint64_t at);
   bool parsePoses(std::span<const uint8_t> bytes, uint64_t offset, StepPoses& step);
+  // By the version of the file.
+  bool parseGroom(std::span<const uint8_t> bytes, GroomChunk& chunk) const;
+  bool parseFrame(std::span<const uint8_t> bytes, FrameRecord& record) const;
   bool parseGuides(std::span<const uint8_t> bytes);
   bool readFrame(uint64_t number, RecordedFrame& out);
   /// Offset of the record after the guides of a frame.

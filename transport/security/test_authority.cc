@@ -41,17 +41,18 @@ std::string rules(KeyRole role) {
   switch (role) {
     case KeyRole::kDaemon:
       return ofGrooms("publish", {"groom", "hairs", "bodies", "colliders", "guides", "claim", "show"}) +
-             criteria("publish", "status", "") + ofGrooms("subscribe", {"command", "pose", "claim", "show"}) +
-             hears_status;
+             criteria("publish", "status", "") +
+             ofGrooms("subscribe", {"command", "pose", "claim", "show", "readers"}) + hears_status;
     case KeyRole::kRenderer:
-      return ofGrooms("publish", {"command", "pose"}) +
+      return ofGrooms("publish", {"command", "pose", "readers"}) +
              ofGrooms("subscribe", {"groom", "hairs", "bodies", "colliders", "guides"}) + hears_status;
     case KeyRole::kPoser:
       return ofGrooms("publish", {"pose"}) + hears_status;
     case KeyRole::kReader:
       break;
   }
-  return ofGrooms("subscribe", {"groom", "hairs", "bodies", "colliders", "guides"}) + hears_status;
+  return ofGrooms("publish", {"readers"}) +
+         ofGrooms("subscribe", {"groom", "hairs", "bodies", "colliders", "guides"}) + hears_status;
 }
 
 std::string timeText(std::time_t time) {
