@@ -1,6 +1,6 @@
 /* A renderer made from idl/strandcast.idl and docs/wire.md alone, over another vendor's DDS (Eclipse Cyclone
- * DDS). Joins groom 1 of a domain, receives the groom and then FRAMES frames, repeats a command until it is
- * answered, and prints "key value" lines.
+ * DDS). Joins groom 1 of a domain, receives the groom and then FRAMES frames, sends poses of the head, repeats a
+ * command until it is answered, and prints "key value" lines.
  *
  *   cyclone_reader DOMAIN FRAMES COMMAND_ID
  *
@@ -57,16 +57,15 @@ static dds_entity_t subscriber_in(dds_entity_t participant, const char* partitio
   return subscriber;
 }
 
-static dds_entity_t command_writer_in(dds_entity_t participant, const char* partition) {
+static dds_entity_t writer_in(dds_entity_t participant, const char* partition,
+                              const dds_topic_descriptor_t* type, const char* name, int depth) {
   dds_qos_t* qos = dds_create_qos();
   dds_qset_partition1(qos, partition);
   const dds_entity_t publisher = checked(dds_create_publisher(participant, qos, NULL), "publisher");
   dds_delete_qos(qos);
-  const dds_entity_t topic =
-      checked(dds_create_topic(participant, &strandcast_v7_Command_desc, "strandcast/command", NULL, NULL),
-              "command");
-  qos = reliable(64, true);
-  const dds_entity_t writer = checked(dds_create_writer(publisher, topic, qos, NULL), "command");
+  const dds_entity_t topic = checked(dds_create_topic(participant, type, name, NULL, NULL), name);
+  qos = reliable(depth, true);
+  const dds_entity_t writer = checked(dds_create_writer(publisher, topic, qos, NULL), name);
   dds_delete_qos(qos);
   return writer;
 }
@@ -200,6 +199,21 @@ static bool is_answered(dds_entity_t reader, uint64_t id) {
   return found;
 }
 
+/* Moves the head. */
+static void write_pose(dds_entity_t writer, uint64_t time) {
+  static uint32_t number;
+  uint32_t ages[] = {0};
+  float pose[] = {0.25f, 0, 0, 0, 0.6f, 0, 0.8f};
+  strandcast_v7_PoseSamples samples = {.source = 99, .time = time, .groom_id = 1, .newest = ++number};
+  samples.names = "head";
+  samples.weight_names = "";
+  samples.ages._buffer = ages;
+  samples.ages._length = samples.ages._maximum = 1;
+  samples.poses._buffer = pose;
+  samples.poses._length = samples.poses._maximum = 7;
+  checked(dds_write(writer, &samples), "write");
+}
+
 int main(int argc, char** argv) {
   if (argc != 4) return 2;
   const uint64_t frames = strtoull(argv[2], NULL, 10), id = strtoull(argv[3], NULL, 10);
@@ -214,12 +228,15 @@ int main(int argc, char** argv) {
       reader_of(participant, subscriber, &strandcast_v7_GuideChunk_desc, "strandcast/guides", 4, false);
   const dds_entity_t status =
       reader_of(participant, participant, &strandcast_v7_Status_desc, "strandcast/status", 1, true);
-  const dds_entity_t writer = command_writer_in(participant, "groom1");
+  const dds_entity_t writer =
+      writer_in(participant, "groom1", &strandcast_v7_Command_desc, "strandcast/command", 64);
+  const dds_entity_t poses =
+      writer_in(participant, "groom1", &strandcast_v7_PoseSamples_desc, "strandcast/pose", 16);
 
   const dds_time_t start = dds_time(), end = start + DDS_SECS(15);
   uint32_t strands = 0, vertices = 0;
   bool has_groom = false, has_answer = false;
-  dds_time_t asked = 0;
+  dds_time_t asked = 0, posed = 0;
   while (dds_time() < end && !(has_answer && whole_frames >= frames)) {
     if (!has_groom) {
       has_groom = take_groom(groom, &strands, &vertices);
@@ -227,6 +244,10 @@ int main(int argc, char** argv) {
     } else {
       take_colliders(colliders);
       take_guides(guides, vertices);
+      if (dds_time() - posed > DDS_MSECS(100)) {
+        posed = dds_time();
+        write_pose(poses, (uint64_t)(posed - start));
+      }
       if (dds_time() - asked > DDS_MSECS(500) && !has_answer) {
         asked = dds_time();
         double values[] = {3, 0, 0};

@@ -39,12 +39,14 @@ TEST(Cyclone, ReceivesTheGroomLateAndEveryFrameAndItsCommandIsObeyed) {
   GuideFrame frame;
   uint64_t number = 0;
   std::optional<Command> obeyed;
+  std::optional<PoseSamples> posed;
   const auto cast = [&](Clock::duration time, const std::function<bool()>& is_over) {
     const auto start = Clock::now();
     for (auto due = start; due < start + time && !is_over(); due += std::chrono::microseconds(16667)) {
       std::this_thread::sleep_until(due);
       fillSampleFrame(groom, ++number, frame);
       publisher->publish(frame);
+      while (std::optional<PoseSamples> samples = publisher->takePoses()) posed = std::move(samples);
       while (const auto command = publisher->takeCommand()) {
         obeyed = command;
         Status status;
@@ -88,6 +90,10 @@ TEST(Cyclone, ReceivesTheGroomLateAndEveryFrameAndItsCommandIsObeyed) {
   EXPECT_EQ(obeyed->id, kCommand);
   EXPECT_EQ(obeyed->name, "wind");
   EXPECT_EQ(obeyed->values, (std::vector<double>{3, 0, 0}));
+  ASSERT_TRUE(posed);
+  EXPECT_EQ(posed->source, 99u);
+  EXPECT_EQ(posed->names, "head");
+  EXPECT_EQ(posed->poses, (std::vector<float>{0.25f, 0, 0, 0, 0.6f, 0, 0.8f}));
   std::printf("groom %.0f ms after the reader's start\n", results["groom_after_ms"]);
 }
 
