@@ -80,6 +80,9 @@ struct GuideFrame {
   uint64_t frame = 0;                     ///< from 1, counts up by one per published frame
   double simulation_time = 0;             ///< s
   uint64_t publish_time = 0;              ///< ns, system clock of the daemon
+  uint64_t pose_source = 0;               ///< sender of the live poses that the frame shows; 0 = none
+  uint64_t pose_time = 0;                 ///< ns by that sender's clock, of the newest pose in the frame
+  uint32_t continuity = 0;                ///< another value than in the frame before: the motion jumps here
   Pose head;                              ///< pose of the head relative to rest
   std::vector<Vec3> positions;            ///< world, m, natural order of the groom's guides
   std::vector<PlacedCollider> colliders;  ///< those that do not follow the head; at most kMaxPlacedColliders
