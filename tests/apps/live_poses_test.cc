@@ -365,6 +365,58 @@ TEST_F(LivePalette, StaysAfterItsSourceUnderACommandedHead) {
   EXPECT_LT(head().rotation.angularDistance(held.rotation), 1e-3f);
 }
 
+TEST_F(LivePalette, HasWeightsAndScales) {
+  samples::ArmOptions swelling;
+  swelling.bulge = 0.01f;
+  writeFileBytes(folder_ / "arm.glb", samples::armGlb(swelling));
+  settings_.scene.skinned->clip = "swell";
+  scene_ = makeScene(settings_.scene);
+  start(settings_, scene_);
+  sender_.names = "joint:upper";
+  sender_.weight_names = "bulge frown";
+  sender_.send({{}}, {0.75f, 3}, {1.5f, 1, 1});
+  controlled_->advance();
+  Simulation expected = simulated(scene_, makeReferenceBackend());
+  std::vector<std::optional<Placement>> palette(body().skin().skeleton.joints.size());
+  Placement scaled = Placement::Identity();
+  scaled.scale(Eigen::Vector3d(1.5, 1, 1));
+  palette[static_cast<size_t>(body().skin().skeleton.find("upper"))] = scaled;
+  place(body(), body().fromPalette(palette, std::vector<float>{0.75f}, {}), {}, expected);
+  expected.step();
+  for (const BodyId id : expected.bodyIds()) {
+    EXPECT_TRUE(areSame(controlled_->simulation.bodyPose(id), expected.bodyPose(id))) << id;
+    EXPECT_EQ(controlled_->simulation.bodyBend(id).isNone(), expected.bodyBend(id).isNone());
+  }
+  EXPECT_FALSE(expected.bodyBend(0).isNone() && expected.bodyBend(1).isNone());
+  EXPECT_EQ(channel_.recorded.back().poses.weight_names, "bulge");
+  // Weights alone leave the joints to the clip.
+  sender_.names = "";
+  start(settings_, scene_);
+  for (int step = 0; step < 3; ++step) {
+    sender_.send({}, {0.75f, 3});
+    controlled_->advance();
+  }
+  const double now = controlled_->simulation.time();
+  place(body(), body().at(now, {}, std::vector<float>{0.75f}), {}, expected);
+  expected.step();
+  for (const BodyId id : expected.bodyIds())
+    EXPECT_TRUE(areSame(controlled_->simulation.bodyPose(id), expected.bodyPose(id))) << id;
+}
+
+TEST_F(LivePosesTest, MovesTheBonesOfPins) {
+  Settings settings = fewStrands();
+  settings.scene.pins = {{.parts = {}, .bone = "ribbon", .from = 0.8f, .to = 1, .where = "a test"}};
+  const Scene scene = makeScene(settings.scene);
+  start(settings, scene);
+  sender_.names = "bone:ribbon bone:bow";
+  const Pose tied{Vec3(0.01f, 0.02f, 0), Quat::Identity()};
+  sender_.send({tied, {}});
+  controlled_->advance();
+  EXPECT_TRUE(areSame(controlled_->simulation.bonePose(1), tied));
+  EXPECT_TRUE(areSame(head(), {}));
+  EXPECT_EQ(channel_.recorded.back().poses.names, "bone:ribbon") << "no pin has a bow";
+}
+
 TEST_F(LivePosesTest, OneOfTwoSourcesMovesTheHeadUntilItIsSilent) {
   Sender other{channel_, 8};
   const Pose left{Vec3(-0.1f, 0, 0), Quat::Identity()}, right{Vec3(0.1f, 0, 0), Quat::Identity()};
