@@ -5,11 +5,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include <map>
 #include <set>
 
 #include "core/error.h"
 #include "options/number_range.h"
 #include "transport/dds.h"
+#include "transport/lcm.h"
 
 namespace strandcast {
 namespace {
@@ -435,6 +437,15 @@ std::vector<CharacterSettings> SettingsOptions::resolveCharacters(const std::str
                 "leave it out, or change it in " + config_.string());
   for (CharacterSettings& character : characters)
     forCharacter(character, [&] { character.settings = over(std::move(character.settings)); });
+  std::map<std::string, std::string> log_writers;  // by URL
+  for (const CharacterSettings& character : characters) {
+    const Settings& settings = character.settings;
+    if (settings.transport != "lcm" || !isLcmLog(settings.lcm_url)) continue;
+    const auto [other, is_new] = log_writers.emplace(settings.lcm_url, character.label());
+    if (!is_new)
+      throw Error(fmt::format("characters {} and {} write one LCM log", other->second, character.label()),
+                  settings.lcm_url, "give each its own lcm_url");
+  }
   return characters;
 }
 

@@ -238,6 +238,35 @@ TEST_F(StageTest, ARecordedCharacterIsSimulatedAgainAlone) {
   }
 }
 
+TEST(Characters, OptionsHoldForAllAndWhatWouldBeOnesAloneIsRefused) {
+  const std::filesystem::path config =
+      std::filesystem::temp_directory_path() / ("strandcast_cast_" + std::to_string(getpid()) + ".toml");
+  std::ofstream(config) << "[daemon]\nrate = 30\n[[character]]\ngroom_id = 1\n"
+                           "[[character]]\nname = \"ada\"\ngroom_id = 2\n[character.daemon]\nrate = 90\n"
+                           "[character.transport]\nlcm_url = \"file:///tmp/ada.log?mode=w\"\n";
+  const auto resolved = [&](std::vector<std::string> words) {
+    CLI::App app;
+    const SettingsOptions options(app, SettingsUse::kServe);
+    words.insert(words.end(), {"--config", config.string()});
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    return options.resolveCharacters();
+  };
+  const std::vector<CharacterSettings> cast = resolved({"--rate", "50", "--transport", "lcm"});
+  ASSERT_EQ(cast.size(), 2u);
+  for (const CharacterSettings& character : cast) {
+    EXPECT_EQ(character.settings.rate, 50);
+    EXPECT_EQ(character.settings.transport, "lcm");
+  }
+  expectError([&] { resolved({}); }, {"character ada: DDS has no URL", "line 11", "transport.lcm_url"});
+  expectError([&] { resolved({"--groom-id", "3"}); }, {"its own groom_id: --groom-id"});
+  expectError(
+      [&] {
+        resolved({"--transport", "lcm", "--lcm-url", "file:///tmp/a.log?mode=w"});
+      },
+      {"groom 1 and ada write one LCM log: file:///tmp/a.log"});
+  std::filesystem::remove(config);
+}
+
 // The machine of the tests may have other work: the margin is wide. rate_budget_test.cc has the rule alone.
 TEST_F(StageTest, NineLightHeadsGoOnBesideAHeavyOne) {
   if (kSanitized) GTEST_SKIP() << "sanitizers make light heads heavy";
