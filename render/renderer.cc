@@ -198,7 +198,8 @@ struct Renderer::Impl {
     const bool any_bound = bound.hairs.strands() > 0;
     hair->setHairs({}, settings.growth);
     nodes->setGroom(rest_guides, any_bound);
-    std::vector<Hair> hairs = growHairs(rest_guides, settings.growth);
+    std::vector<Hair> hairs;
+    if (!any_bound || beside_seeded) hairs = growHairs(rest_guides, settings.growth);
     min_segments = minSegments(rest_guides, settings, hairs);
     std::unique_ptr<BoundHairs> shapes;
     statistics.hairs_bound = 0;
@@ -526,6 +527,7 @@ struct Renderer::Impl {
   std::vector<PlacedCollider> colliders;
   Box rest_bounds;
   HairDescription bound;
+  bool beside_seeded = false;  // hair grows from the seed where there are bound hairs, too
   float longest_guide = 0, longest_bound = 0;  // m
   float hair_radius = 0;                       // m, of the groom
   int min_segments = 1;
@@ -574,7 +576,7 @@ void Renderer::setGroom(const GroomDescription& groom) {
   impl_->statistics.guides = guides.strands();
 }
 
-void Renderer::setHairs(const HairDescription& hairs) {
+void Renderer::setHairs(const HairDescription& hairs, bool beside_seeded) {
   const bool any = hairs.hairs.strands() > 0;
   if (any) {
     requireBuffers(GrowthPath::kCompute);
@@ -583,6 +585,7 @@ void Renderer::setHairs(const HairDescription& hairs) {
     return;
   }
   impl_->bound = hairs;
+  impl_->beside_seeded = beside_seeded;
   impl_->longest_bound = longestOf(hairs.hairs);
   try {
     impl_->placeHair();

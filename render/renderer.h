@@ -52,9 +52,9 @@ class Renderer {
   /// Grows the hair: chooses the guides that each hair follows. Call again when the groom changes. An empty
   /// groom draws no hair. Forgets bound hairs.
   void setGroom(const GroomDescription& groom);
-  /// Hairs that are bound to the groom's guides, drawn beside those that grow from the seed. Without hairs
-  /// there are none. Throws Error where they do not fit the groom.
-  void setHairs(const HairDescription& hairs);
+  /// Hairs that are bound to the groom's guides, drawn in place of those that grow from the seed, or beside
+  /// them. Without hairs there are none. Throws Error where they do not fit the groom.
+  void setHairs(const HairDescription& hairs, bool beside_seeded = false);
   /// m, distance of hairs from their guides, mean over all hairs.
   float hairReach() const;
   /// A mesh without triangles draws no body.

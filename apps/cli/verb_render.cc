@@ -142,7 +142,7 @@ int render(const RenderOptions& o) {
       const bool is_new = captured->scene != scene;
       if (is_new) {
         scene = captured->scene;
-        setScene(renderer, *scene.groom, *scene.body);
+        setScene(renderer, *scene.groom, *scene.body, scene.hairs.get());
         box = pictureBox(*scene.groom, *scene.body, renderer.hairReach());
       }
       if (is_new || subscriber.colliders() != colliders) {

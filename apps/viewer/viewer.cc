@@ -209,10 +209,13 @@ class Viewer {
       const StreamScene now = StreamScene::of(session_->subscriber());
       if (!now.fits(*frame)) return;
       scene_ = now;
-      setScene(renderer_, *scene_.groom, *scene_.body);
+      setScene(renderer_, *scene_.groom, *scene_.body, scene_.hairs.get());
       panel_.setFields({});
       obstacles_set_ = false;
       frameScene();
+    } else if (const auto hairs = session_->subscriber().hairs(); hairs && hairs != scene_.hairs) {
+      scene_.hairs = hairs;  // they came after the groom
+      renderer_.setHairs(*hairs);
     }
     frame_ = frame;
   }

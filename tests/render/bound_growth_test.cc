@@ -293,9 +293,12 @@ TEST_F(BoundPicture, HasBothKindsOfHairAndForgetsBoundHairsWithTheGroom) {
   Renderer renderer(settings_);
   renderer.setGroom(groom_);
   const double without = red(renderer);
-  renderer.setHairs(hairs_);
+  renderer.setHairs(hairs_, true);
   EXPECT_GT(red(renderer), without + 0.005);
   EXPECT_EQ(renderer.statistics().hairs_grown, 364u);
+  renderer.setHairs(hairs_);
+  red(renderer);
+  EXPECT_EQ(renderer.statistics().hairs_grown, 64u);
   renderer.setGroom(groom_);
   EXPECT_EQ(red(renderer), without);
   EXPECT_EQ(renderer.statistics().hairs_bound, 0u);
