@@ -12,6 +12,7 @@
 #include "render/framebuffer.h"
 #include "render/renderer.h"
 #include "render/shader_validation.h"
+#include "validation/bound_hair_trial.h"
 
 namespace strandcast {
 namespace {
@@ -22,6 +23,8 @@ struct RenderOptions {
   std::string scene = "curly";
   uint64_t seed = 1;
   bool growth_only = false;
+  std::vector<std::filesystem::path> bound;
+  float unit_meters = 0;
   PrintOptions print;
 };
 
@@ -114,7 +117,72 @@ RenderStatistics timePasses(const RenderOptions& o, const Scene& scene, const Ha
   return middle;
 }
 
+/// A groom's strands bound to a twentieth of them.
+int runBound(const RenderOptions& o) {
+  constexpr size_t kStrandsPerGuide = 20;
+  gl::HeadlessContext context;
+  Settings settings;
+  settings.scene.groom = o.bound;
+  settings.scene.units.unit_meters = o.unit_meters;
+  BoundHairTrial trial(settings, kStrandsPerGuide);
+  const double rest = trial.worstAtRest();
+  const StrandSet& guides = trial.guides();
+  GuideNodes nodes(trial.nodes().segments());
+  nodes.setGroom(guides, true);
+  const Spread nodes_ms = deviceMs(o.pictures, [&] { nodes.update(guides.positions, Pose{}); });
+  const HairDetail all = trial.pass().all();
+  const Spread growth_ms = deviceMs(o.pictures, [&] { trial.pass().grow(nodes, all); });
+  const BoundHairTrial::Shaken shaken = trial.shake();
+  const auto hairs = static_cast<double>(trial.strands().strands());
+  Bench bench;
+  bench.name = "render";
+  bench.params = {{"bound", o.bound.front().string()}, {"strands_per_guide", kStrandsPerGuide}};
+  bench.more = {{"device", context.renderer()}};
+  bench.heading =
+      fmt::format("strands of {} bound to one in {} of them, on {}; RMS over a second of shaking\n",
+                  o.bound.front().filename().string(), kStrandsPerGuide, context.renderer());
+  bench.table = Table({{"case", "case"},
+                       {"device"},
+                       {"guides", "guides"},
+                       {"hairs", "hairs"},
+                       {"vertices", "vertices"},
+                       {"guide_nodes_ms", "guide nodes, ms", "{:.3f}"},
+                       {"growth_ms", "growth ms", "{:.3f}"},
+                       {"growth_ms_min", "min", "{:.3f}"},
+                       {"growth_ms_p95", "p95", "{:.3f}"},
+                       {"growth_bytes", ""},
+                       {"wire_bytes", "sent bytes"},
+                       {"hair_bytes", "a hair", "{:.1f}"},
+                       {"rest_mm", "at rest, worst mm", "{:.4f}"},
+                       {"shader_um", "shader, worst um", "{:.2f}"},
+                       {"bound_mm", "bound mm", "{:.2f}"},
+                       {"seeded_mm", "seed-grown mm", "{:.2f}"},
+                       {"motion_mm", "motion mm", "{:.2f}"},
+                       {"stretch", "stretch", "{:.4f}"}});
+  bench.table.add({{"case", "bound"},
+                   {"device", context.renderer()},
+                   {"guides", guides.strands()},
+                   {"hairs", trial.strands().strands()},
+                   {"vertices", trial.strands().vertices()},
+                   {"guide_nodes_ms", nodes_ms.median},
+                   {"growth_ms", growth_ms.median},
+                   {"growth_ms_min", growth_ms.min},
+                   {"growth_ms_p95", growth_ms.p95},
+                   {"growth_bytes", trial.pass().boundVertices().bytes()},
+                   {"wire_bytes", trial.wireBytes()},
+                   {"hair_bytes", static_cast<double>(trial.wireBytes()) / hairs},
+                   {"rest_mm", 1e3 * rest},
+                   {"shader_um", 1e6 * shaken.worst_shader},
+                   {"bound_mm", 1e3 * shaken.bound},
+                   {"seeded_mm", 1e3 * shaken.seeded},
+                   {"motion_mm", 1e3 * shaken.motion},
+                   {"stretch", shaken.stretch}});
+  print(bench, o.print);
+  return 0;
+}
+
 int run(const RenderOptions& asked) {
+  if (!asked.bound.empty()) return runBound(asked);
   gl::HeadlessContext context;
   RenderOptions o = asked;
   // The device may choose another number.
@@ -207,6 +275,15 @@ std::function<int()> addRenderBench(CLI::App& app) {
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_flag("--growth-only", o->growth_only, "measure growth in compute shaders only, without drawing");
+  app.add_option(
+         "--bound", o->bound,
+         "instead: files of a groom whose strands are bound to a twentieth of them, as they are sent, grown "
+         "and, in a shake of the head, beside the simulation of every strand")
+      ->delimiter(',');
+  app.add_option("--unit-meters", o->unit_meters,
+                 "metres per unit of --bound; 0: as the files say, or guessed")
+      ->check(CLI::Range(0.0, 1e3))
+      ->capture_default_str();
   addPrintOptions(app, o->print);
   return [o] { return run(*o); };
 }

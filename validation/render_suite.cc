@@ -11,6 +11,7 @@
 #include "render/shader_validation.h"
 #include "scenes/scene.h"
 #include "service/scene_simulation.h"
+#include "validation/bound_hair_trial.h"
 
 namespace strandcast {
 namespace {
@@ -81,6 +82,51 @@ std::vector<Case> growthCases(const Laboratory& laboratory) {
       cases.back().note = fmt::format("{} hairs of {} segments on {}; tangents within {:.1e}",
                                       pass.hairs().size(), kSegments, context.renderer(), error.tangent);
     }
+  }
+  return cases;
+}
+
+const std::vector<std::string> kBoundScenes{"straight", "curly", "ponytail"};
+
+std::vector<std::string> boundNames() {
+  std::vector<std::string> names;
+  for (const std::string& scene : kBoundScenes)
+    for (const char* what : {"rest", "shader", "shake"})
+      names.push_back(fmt::format("bound: {}, {}", scene, what));
+  return names;
+}
+
+std::vector<Case> boundCases(const Laboratory& laboratory) {
+  constexpr double kMillimetre = 1e3, kMicrometre = 1e6;
+  gl::HeadlessContext context;
+  std::vector<Case> cases;
+  for (const std::string& scene : kBoundScenes) {
+    laboratory.checkStopped();
+    Settings settings;
+    settings.scene.name = scene;
+    settings.scene.strands = 600;
+    settings.scene.vertices = 24;
+    settings.backend = "simd";
+    BoundHairTrial trial(settings, 20);
+    const double hairs = static_cast<double>(trial.strands().strands());
+    cases.push_back(
+        absoluteCase({fmt::format("bound: {}, rest", scene),
+                      "worst distance from the artist's hair, through the codec, where guides rest", "mm"},
+                     kMillimetre * trial.worstAtRest(), 0, 0.05));
+    cases.back().note = fmt::format("{} hairs of {} guides, {:.1f} bytes a hair", hairs,
+                                    trial.guides().strands(), static_cast<double>(trial.wireBytes()) / hairs);
+    const BoundHairTrial::Shaken shaken = trial.shake();
+    cases.push_back(absoluteCase({fmt::format("bound: {}, shader", scene),
+                                  "worst distance from double precision while the head shakes", "um"},
+                                 kMicrometre * shaken.worst_shader, 0, 2));
+    cases.push_back(
+        absoluteCase({fmt::format("bound: {}, shake", scene),
+                      "RMS distance from the strand simulated itself, over that of seed-grown hair", ""},
+                     shaken.bound / shaken.seeded, 0, 0.8));
+    cases.back().note =
+        fmt::format("bound {:.2f} mm, seed-grown {:.2f} mm, motion {:.2f} mm; lengths change by {:.2f} %",
+                    kMillimetre * shaken.bound, kMillimetre * shaken.seeded, kMillimetre * shaken.motion,
+                    100 * shaken.stretch);
   }
   return cases;
 }
@@ -462,6 +508,7 @@ const Suite& renderSuite() {
       "the renderer's shaders against slower exact methods",
       {{"hairs of every kind grown by the tessellator and by compute shaders, against double precision",
         growthNames(), growthCases},
+       {"hairs bound to a twentieth of them: as sent, in shaders, and in motion", boundNames(), boundCases},
        {"deep opacity maps of a head of curls against the exact opacity along the light's rays", kShadowNames,
         shadowCases},
        {"grown hair of a moving head, kept out of its bodies; a ball that enters hair", kBodyNames,

@@ -213,6 +213,9 @@ class Viewer {
       panel_.setFields({});
       obstacles_set_ = false;
       frameScene();
+    } else if (const auto hairs = session_->subscriber().hairs(); hairs && hairs != scene_.hairs) {
+      scene_.hairs = hairs;  // they came after the groom
+      renderer_.setHairs(*hairs);
     }
     frame_ = frame;
   }

@@ -80,6 +80,18 @@ TEST_F(GuidesOnABall, WhereBothHaveThemTurnAsBothDo) {
               1e-5f);
 }
 
+TEST_F(GuidesOnABall, RotateFromRestAsWhatCarriesTheRoot) {
+  const Vec3 root(0, 0.03f, 0);
+  const Pose ball = turnedBy(2.1f, Eigen::Vector3f(1, 2, 3).normalized()),
+             head = turnedBy(1.5f, Eigen::Vector3f::UnitY());
+  placeBall(ball);
+  EXPECT_LT(roots_.rotation(0, ball.apply(root), head).angularDistance(ball.rotation), 1e-3f);
+  placeBall({});
+  EXPECT_LT(roots_.rotation(0, head.apply(root), head).angularDistance(head.rotation), 1e-3f);
+  placeBall(head);
+  EXPECT_LT(roots_.rotation(0, head.apply(root), head).angularDistance(head.rotation), 1e-5f);
+}
+
 TEST_F(GuidesOnABall, WithoutItTurnWithTheHead) {
   roots_.setObstacles({});
   EXPECT_FALSE(roots_.carries(0));
