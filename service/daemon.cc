@@ -147,6 +147,7 @@ void Daemon::publishFrame() {
   frame_.head = simulation.headPose();
   frame_.pose_source = controlled_.poses.source();
   frame_.pose_time = controlled_.poses.time();
+  frame_.continuity = controlled_.cuts + controlled_.resets;
   frame_.colliders = controlled_.colliders.placed();
   frame_.publish_time = static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                                   std::chrono::system_clock::now().time_since_epoch())

@@ -458,6 +458,8 @@ const LivePoses::Source* LivePoses::carrier() const {
 bool LivePoses::advance(double end, int64_t now) {
   if (recorded_) {
     const std::optional<StepPoses> recorded = recorded_(simulation_.steps());
+    shown_source_ = recorded ? recorded->poses.source : 0;
+    shown_time_ = recorded ? recorded->poses.time : 0;
     if (!recorded) return false;
     targets_.apply(recorded->poses);
     return recorded->is_cut;

@@ -589,6 +589,9 @@ TEST(LiveDaemon, FramesHaveThePosesOfTheirSteps) {
     const auto shown = static_cast<int>((channel.recorded.back().poses.time - 5'000'000'000) / sender.period);
     EXPECT_EQ(shown + 1, static_cast<int>(channel.recorded.size())) << "each sample once";
     EXPECT_TRUE(areSame(channel.frames.back().head, nodding(shown / 60.0))) << frame;
+    EXPECT_EQ(channel.frames.back().pose_source, 7u);
+    EXPECT_EQ(channel.frames.back().pose_time, channel.recorded.back().poses.time);
+    EXPECT_EQ(channel.frames.back().continuity, 1u) << "the cut of the first step";
     EXPECT_LE(channel.recorded.size() - steps, 1u);
   }
   EXPECT_GE(channel.recorded.size(), 199u) << "a step is 1 / 60 s as a float: some frame has none";
