@@ -381,6 +381,7 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
   root.section("groom", [&](Section& groom) {
     if (groom.has("files")) s.scene.groom.clear();
     groom.texts("files", [&](const std::string& v) { s.scene.groom.push_back(path(v)); });
+    if (groom.has("hair_files")) s.scene.hairs.clear();
     groom.texts("hair_files", [&](const std::string& v) { s.scene.hairs.push_back(path(v)); });
     groom.text("guides", [&](const std::string& v) {
       s.scene.guides = guideChoiceOf(v, groom.place("guides"));
