@@ -52,8 +52,8 @@ class Renderer {
   /// Grows the hair: chooses the guides that each hair follows. Call again when the groom changes. An empty
   /// groom draws no hair, and one without kFromSeed in its growth none from the seed. Forgets bound hairs.
   void setGroom(const GroomDescription& groom);
-  /// Hairs that are bound to the groom's guides, drawn beside those that its growth and `seeded` let grow from
-  /// the seed. Without hairs there are none. Throws Error where they do not fit the groom.
+  /// Hairs that are bound to the groom's guides, drawn beside those that its growth and `seeded` let grow
+  /// from the seed. Without hairs there are none. Throws Error where they do not fit the groom.
   void setHairs(const HairDescription& hairs);
   /// m, distance of hairs from their guides, mean over all hairs.
   float hairReach() const;

@@ -544,9 +544,10 @@ CheckReport checkClip(const Scene& scene, const std::string& clip, double rate, 
   if (isBvh(clip)) checkJoints(skinned.skin(), clip, out);
   const std::vector<RootOnSkin> roots = rootsOnSkin(scene, query);
   out.add(rowOf(CheckSeverity::kOk, "root_joints",
-                roots.empty() ? "no root is on the skin"
-                              : fmt::format("{} of {} roots are on the skin, by joint: {}", roots.size(),
-                                            scene.groom.strands.strands(), carriersText(skinned.skin(), roots)),
+                roots.empty()
+                    ? "no root is on the skin"
+                    : fmt::format("{} of {} roots are on the skin, by joint: {}", roots.size(),
+                                  scene.groom.strands.strands(), carriersText(skinned.skin(), roots)),
                 static_cast<double>(roots.size()), "strands", "", ""));
   if (!skinned.hasClip() || roots.empty()) return out;
   const auto whole = static_cast<size_t>(std::ceil(skinned.duration() * rate)) + 1;

@@ -30,7 +30,8 @@ uint64_t fingerprintOf(std::span<const uint8_t> message) {
 std::string nameOf(const OtherVersion& other) {
   if (other.first == 0) return "a newer wire version";
   const std::string first = "wire version " + std::to_string(other.first);
-  return other.first == other.last ? first : first + " to " + std::to_string(other.last);
+  if (other.first == other.last) return first;
+  return first + (other.first + 1 == other.last ? " or " : " to ") + std::to_string(other.last);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@
 namespace strandcast {
 namespace {
 
-constexpr int kSegments = 32;        // as RenderSettings
+constexpr int kNodeSegments = 32;    // as RenderSettings
 constexpr float kHairWidth = 1e-4f;  // m; growth does not depend on it
 
 Scene sceneOf(const Settings& settings) {
@@ -65,12 +65,12 @@ class SeededHair {
     growth.hairs = strands.strands();
     hairs_ = growHairs(guides, growth);
     pass_.setHairs(hairs_, growth);
-    GuideNodes nodes(kSegments);
+    GuideNodes nodes(kNodeSegments);
     nodes.setGroom(guides);
     nodes.update(guides.positions, {});
     grow(nodes);
     std::vector<Vec3> roots;
-    for (size_t h = 0; h < hairs_.size(); ++h) roots.push_back(vertices_[h * (kSegments + 1)].position);
+    for (size_t h = 0; h < hairs_.size(); ++h) roots.push_back(vertices_[h * (kNodeSegments + 1)].position);
     nearest_ = nearestHairs(strands, roots);
   }
   void grow(const GuideNodes& nodes) {
@@ -80,10 +80,10 @@ class SeededHair {
   /// The place for the fraction `along` of strand `s`.
   Vec3 at(size_t s, float along) const {
     const size_t hair = nearest_[s];
-    const float place = along * hairs_[hair].extent * kSegments;
-    const auto node = std::min(static_cast<size_t>(place), static_cast<size_t>(kSegments - 1));
-    const Vec3 &a = vertices_[hair * (kSegments + 1) + node].position,
-               &b = vertices_[hair * (kSegments + 1) + node + 1].position;
+    const float place = along * hairs_[hair].extent * kNodeSegments;
+    const auto node = std::min(static_cast<size_t>(place), static_cast<size_t>(kNodeSegments - 1));
+    const Vec3 &a = vertices_[hair * (kNodeSegments + 1) + node].position,
+               &b = vertices_[hair * (kNodeSegments + 1) + node + 1].position;
     return a + (place - static_cast<float>(node)) * (b - a);
   }
 
@@ -99,7 +99,7 @@ class SeededHair {
 BoundHairTrial::BoundHairTrial(const Settings& settings, size_t strands_per_guide)
     : settings_(settings),
       scene_(sceneOf(settings)),
-      nodes_(kSegments),
+      nodes_(kNodeSegments),
       pass_(GrowthPath::kCompute, HairGeometry::kLines) {
   const size_t guides = std::max<size_t>(strands().strands() / strands_per_guide, 1);
   guides_ = subset(strands(), chooseGuides(strands(), guides));
@@ -169,7 +169,7 @@ BoundHairTrial::Shaken BoundHairTrial::shake() {
     seeded.grow(nodes_);
     const std::vector<Vec3> grown = grownBound();
     const BoundHairReference reference(guides_, carriers, std::vector<Quat>(guides_.strands(), head.rotation),
-                                       kSegments);
+                                       kNodeSegments);
     for (size_t s = 0; s < strands().strands(); ++s) {
       const std::span<const Vec3> rest = strands().strand(s);
       const size_t first = strands().offsets[s];
