@@ -30,6 +30,28 @@ void StatusReport::setChannel(uint32_t readers, const EncodingReport& encoding) 
   status_.encoding = encoding;
 }
 
+void StatusReport::setPoses(const PoseMetrics& poses) {
+  poses_ = poses;
+  metrics_.pose_state = static_cast<double>(poses.state);
+  metrics_.pose_sources = static_cast<double>(poses.sources);
+  metrics_.pose_samples = static_cast<double>(poses.samples);
+  metrics_.pose_late = static_cast<double>(poses.late);
+  metrics_.pose_lost = static_cast<double>(poses.lost);
+  metrics_.pose_repeated = static_cast<double>(poses.repeated);
+  metrics_.pose_refused = static_cast<double>(poses.refused);
+  metrics_.pose_jumps = static_cast<double>(poses.jumps);
+  metrics_.pose_relocks = static_cast<double>(poses.relocks);
+  metrics_.pose_interpolated = static_cast<double>(poses.interpolated);
+  metrics_.pose_extrapolated = static_cast<double>(poses.extrapolated);
+  metrics_.pose_rested = static_cast<double>(poses.rested);
+  metrics_.pose_delay_ms = poses.delay_ms;
+  metrics_.pose_jitter_ms = poses.jitter_ms;
+  metrics_.pose_age_ms = poses.age_ms;
+  metrics_.pose_latency_ms_p50 = poses.latency_ms_p50;
+  metrics_.pose_latency_ms_p99 = poses.latency_ms_p99;
+  metrics_.pose_clock_ms = poses.clock_ms;
+}
+
 void StatusReport::setAnswer(uint64_t command, const std::string& refusal) {
   status_.last_command = command;
   status_.last_command_error = refusal;

@@ -20,8 +20,8 @@ class StatusReport {
 
   const Status& status() const { return status_; }
   void setParameters(ParameterTable parameters) { status_.parameters = std::move(parameters); }
-  /// Of live sources.
-  void setPoses(const PoseMetrics& poses) { poses_ = poses; }
+  /// Of live sources; they are among the metrics from the next measure() on.
+  void setPoses(const PoseMetrics& poses);
   const PoseMetrics& poses() const { return poses_; }
   void setFrames(uint64_t frames) { status_.frames = frames; }
   void setChannel(uint32_t readers, const EncodingReport& encoding);

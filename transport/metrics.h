@@ -17,6 +17,25 @@ struct Metrics {
   double frames_late = 0;      ///< frames published late
   double largest_pixels = -1;  ///< ReaderSummary::largest_pixels
   double readers_lost = 0;     ///< ReaderSummary::frames_lost
+  // Of live sources, PoseMetrics of service/live_poses.h:
+  double pose_state = 0;
+  double pose_sources = 0;
+  double pose_samples = 0;
+  double pose_late = 0;
+  double pose_lost = 0;
+  double pose_repeated = 0;
+  double pose_refused = 0;
+  double pose_jumps = 0;
+  double pose_relocks = 0;
+  double pose_interpolated = 0;
+  double pose_extrapolated = 0;
+  double pose_rested = 0;
+  double pose_delay_ms = 0;
+  double pose_jitter_ms = 0;
+  double pose_age_ms = 0;
+  double pose_latency_ms_p50 = 0;
+  double pose_latency_ms_p99 = 0;
+  double pose_clock_ms = 0;
 };
 
 /// A metric as it is named on the wire.
