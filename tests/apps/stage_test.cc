@@ -271,11 +271,11 @@ TEST(Characters, OptionsHoldForAllAndWhatWouldBeOnesAloneIsRefused) {
 TEST_F(StageTest, NineLightHeadsGoOnBesideAHeavyOne) {
   if (kSanitized) GTEST_SKIP() << "sanitizers make light heads heavy";
   constexpr uint32_t kHeads = 10;
-  constexpr double kRate = 20, kSeconds = 4;
+  constexpr double kShowRate = 20, kSeconds = 4;
   std::vector<CharacterSettings> characters;
   for (uint32_t id = 1; id <= kHeads; ++id) {
     characters.push_back(character(id));
-    characters.back().settings.rate = kRate;
+    characters.back().settings.rate = kShowRate;
     characters.back().settings.duration = kSeconds;
   }
   characters[0].settings.scene.strands = 2000;  // a hundred times the others', five steps a frame
@@ -289,7 +289,7 @@ TEST_F(StageTest, NineLightHeadsGoOnBesideAHeavyOne) {
     SCOPED_TRACE(id);
     ASSERT_TRUE(endings[id - 1].summary);
     const DaemonSummary& light = *endings[id - 1].summary;
-    EXPECT_GE(static_cast<double>(light.status.frames), 0.7 * kRate * kSeconds);
+    EXPECT_GE(static_cast<double>(light.status.frames), 0.7 * kShowRate * kSeconds);
     EXPECT_GE(light.status.frames, heavy.status.frames);
   }
   EXPECT_GT(heavy.status.frames, 0u);

@@ -18,7 +18,7 @@
 namespace strandcast {
 namespace {
 
-constexpr int kSegments = 32;
+constexpr int kNodeSegments = 32;
 
 /// Curled hairs of 2 to 30 vertices on a patch of 6 cm, a metre above the origin.
 StrandSet curls(size_t hairs, uint32_t seed) {
@@ -42,7 +42,7 @@ StrandSet curls(size_t hairs, uint32_t seed) {
 
 /// Hairs bound to guides, grown by the shader.
 struct Bound {
-  Bound(StrandSet guide_set, StrandSet hairs) : guides(std::move(guide_set)), nodes(kSegments) {
+  Bound(StrandSet guide_set, StrandSet hairs) : guides(std::move(guide_set)), nodes(kNodeSegments) {
     description.hairs = std::move(hairs);
     description.bindings = bindHairs(description.hairs, guides);
   }
@@ -65,7 +65,7 @@ struct Bound {
   /// m, largest distance of the shader's vertices from those in double precision.
   double worst(std::span<const Vec3> positions, const Pose& head) {
     const BoundHairReference reference(guides, positions, std::vector<Quat>(guides.strands(), head.rotation),
-                                       kSegments);
+                                       kNodeSegments);
     const auto grown = grow(positions, head);
     double worst = 0;
     for (size_t s = 0; s < grown.size(); ++s) {
