@@ -11,6 +11,7 @@
 #include "tests/io/scratch_folder.h"
 #include "transport/codec/hair_codec.h"
 #include "transport/message_bytes.h"
+#include "transport/pose_inbox.h"
 #include "transport/recording/recorder.h"
 #include "transport/recording/recording.h"
 
@@ -24,6 +25,8 @@ bool isSoundFrame(const RecordedFrame& read) noexcept {
   if (read.hairs) checkHairs(*read.hairs, read.groom->guides, "fuzz");
   return read.groom && read.body && read.frame &&
          read.frame->positions.size() == read.groom->guides.vertices() &&
+         std::all_of(read.poses.begin(), read.poses.end(),
+                     [](const StepPoses& step) { return isSound(step.poses); }) &&
          std::all_of(read.frame->positions.begin(), read.frame->positions.end(),
                      [](const Vec3& position) { return position.allFinite(); });
 }
@@ -108,6 +111,23 @@ size_t fuzzRecording(const uint8_t* data, size_t size) {
   return read;
 }
 
+namespace {
+
+StepPoses headOf(uint64_t step) {
+  StepPoses out;
+  out.step = step;
+  out.is_cut = step == 0;
+  out.poses.source = 5;
+  out.poses.time = 16'666'667 * step;
+  out.poses.names = "head joint:arm";
+  out.poses.ages = {0};
+  for (const float x : {0.01f, 0.02f})
+    for (const float value : {x, 1.5f, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f}) out.poses.poses.push_back(value);
+  return out;
+}
+
+}  // namespace
+
 std::vector<FuzzSeeds> recordingSeeds() {
   const ScratchFolder folder;
   std::vector<FuzzSeeds> seeds;
@@ -118,7 +138,7 @@ std::vector<FuzzSeeds> recordingSeeds() {
     options.source = "how it was made";
     Recorder recorder(file, options);
     for (const uint64_t session : {11, 12}) {
-      GroomDescription groom = hairGroom(16, [](size_t s) { return 2 + s % 5; });
+      GroomDescription groom = hairGroom(14, [](size_t s) { return 2 + s % 5; });
       groom.session = session;
       recorder.setGroom(groom, sampleBody(4));
       if (session == 11)
@@ -126,6 +146,7 @@ std::vector<FuzzSeeds> recordingSeeds() {
             groom.guides, 10, [](size_t h) { return 2 + h % 5; }, true));
       for (uint64_t number = 1; number <= 5; ++number) {
         if (number == 3) recorder.addInput({1, 33, CommandKind::kSetParameter, "wind", {1, 2, 3}});
+        if (number > 3) recorder.addPoses(headOf(number - 4));
         recorder.addFrame(hairFrame(groom, number));
         if (number % 2 == 0) recorder.addGrids(sampleGrids(number, 16, number == 4));
       }

@@ -593,7 +593,7 @@ TEST(RecordingTest, DamagedFilesAreRefusedOrReadSoundly) {
   for (int i = 0; i < 4000; ++i) {
     std::vector<uint8_t> bytes = files[random() % files.size()].inputs[0];
     // Damage beyond the head, because most of the head is its long text.
-    constexpr size_t kBehindHead = 1300;
+    constexpr size_t kBehindHead = 1800;
     for (size_t times = 1 + random() % 3; times > 0; --times) {
       const size_t at = kBehindHead + random() % (bytes.size() - kBehindHead);
       switch (random() % 4) {
