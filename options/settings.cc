@@ -183,6 +183,7 @@ GuideChoice guideChoiceOf(const std::string& text, const std::string& where) {
       throw Error("a share of guides is not above 0 and below 100 %", where, kRemedy);
   } else {
     choice.file = text;
+    if (!choice.file.has_extension()) throw Error("'" + text + "' names no guides", where, kRemedy);
   }
   return choice;
 }

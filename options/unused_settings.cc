@@ -130,6 +130,8 @@ constexpr UnusedSetting kNetworkRules[] = {
 constexpr UnusedSetting kCodecRules[] = {
     {"transport.codec_error_mm", "transport.codec", [](const Settings& s) { return s.codec.codec == Codec::kFloat32; },
      "float32 has no error", "leave the error out, or choose another codec", kRefused},
+    {"transport.hair_error_mm", "groom.guides", [](const Settings& s) { return s.scene.groom.empty() || s.scene.guides.all; },
+     "all strands are simulated: no hairs follow guides", "leave it out, or name a groom with --guides 5%", kRefused},
     {"transport.zstd", "transport.codec",
      [](const Settings& s) {
        return s.codec.codec != Codec::kDelta16 && s.codec.codec != Codec::kOctahedral12 && s.codec.codec != Codec::kOctahedral16;

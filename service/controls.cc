@@ -69,11 +69,16 @@ void HeadMotionControl::set(HeadControl control) {
   motion_ = motionOf(control, scene_motion_, pivot_);
   control_ = std::move(control);
   posed_head_.reset();
+  joints_carry_hair_ = false;
 }
 
 void HeadMotionControl::poseJoint(size_t joint, const Placement& motion) {
-  palette_.resize(skinned_->skin().skeleton.joints.size());
+  const Skeleton& skeleton = skinned_->skin().skeleton;
+  palette_.resize(skeleton.joints.size());
   palette_[joint] = motion;
+  for (int above = skeleton.find(skinned_->joint()); above >= 0;
+       above = skeleton.joints[static_cast<size_t>(above)].parent)
+    joints_carry_hair_ = joints_carry_hair_ || static_cast<size_t>(above) == joint;
 }
 
 void HeadMotionControl::weigh(size_t target, float weight) {
@@ -87,7 +92,7 @@ SkinnedBody::Moment HeadMotionControl::momentAt(double time, const Pose& head) c
 }
 
 void HeadMotionControl::advance(double time) {
-  const Pose head = posed_head_ ? *posed_head_ : motion_(time - control_.start);
+  const Pose head = joints_carry_hair_ ? Pose{} : posed_head_ ? *posed_head_ : motion_(time - control_.start);
   if (palette_.empty() && weights_.empty())
     return strandcast::moveTo(skinned_.get(), time, head, simulation_);
   // A palette may put parts of the body out of range; what it did not reach then stays where it is.
@@ -96,7 +101,7 @@ void HeadMotionControl::advance(double time) {
 }
 
 Pose HeadMotionControl::motionPose() const {
-  if (posed_head_) return *posed_head_;
+  if (posed_head_ && !joints_carry_hair_) return *posed_head_;
   const double time = simulation_.time();
   const Pose carried = !skinned_          ? Pose{}
                        : palette_.empty() ? skinned_->carried(time)

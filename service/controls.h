@@ -64,12 +64,16 @@ class HeadMotionControl {
   void set(HeadControl control);
   const HeadControl& control() const { return control_; }
 
-  // Poses by live sources (LivePoses), in place of the motion and of the body's clip. The head's stays until
-  // set(). The indices are those of the skinned body.
+  // Poses by live sources (LivePoses), in place of the motion and of the body's clip. They stay until set().
+  // The indices are those of the skinned body.
   void poseHead(const Pose& head) { posed_head_ = head; }
-  /// Joints without a motion follow their ancestors: SkinnedBody::fromPalette().
+  /// Joints without a motion follow their ancestors: SkinnedBody::fromPalette(). Where the joint carries the
+  /// hair, no motion of the head is added.
   void poseJoint(size_t joint, const Placement& motion);
-  void releaseJoints() { palette_.clear(); }
+  void releaseJoints() {
+    palette_.clear();
+    joints_carry_hair_ = false;
+  }
   /// Targets without a weight are as at rest.
   void weigh(size_t target, float weight);
   void releaseWeights() { weights_.clear(); }
@@ -88,6 +92,7 @@ class HeadMotionControl {
   HeadControl control_;  ///< the source of motion_
   std::optional<Pose> posed_head_;
   std::vector<std::optional<Placement>> palette_;  ///< per joint, or empty: the clip's
+  bool joints_carry_hair_ = false;                 ///< the palette has the whole motion of the head
   std::vector<float> weights_;                     ///< per morph target, or empty: the clip's
   bool has_warned_ = false;
   Vec3 pivot_;

@@ -18,6 +18,8 @@ namespace strandcast {
 namespace {
 
 constexpr size_t kMaxSources = 16;
+constexpr int kMaxNamesTold = 8;                     ///< revisions of a source's names in the log
+constexpr int32_t kMostLost = 10'000;                ///< samples; a larger gap is a jump of their numbers
 constexpr int64_t kSilence = kNsPerSecond / 2;       ///< after which another source may move the same
 constexpr int64_t kGone = 3 * kNsPerSecond;          ///< of silence, after which a source is dropped
 constexpr uint64_t kLatestTime = uint64_t{1} << 62;  ///< ns
@@ -166,6 +168,7 @@ struct LivePoses::Source {
   PoseLock lock;
 
   bool has_names = false, has_scales = false;
+  int names_told = 0;
   uint32_t revision = 0;          ///< of the names
   size_t posed = 0, weighed = 0;  ///< names
   std::vector<Slot> slots, weights;
@@ -238,7 +241,8 @@ bool LivePoses::adoptNames(Source& source, const PoseSamples& message) {
   const bool is_known = source.has_names && source.revision == message.names_revision;
   if (!is_known && !has_names) return false;
   if (!is_known) {
-    const bool is_first = !std::exchange(source.has_names, true);
+    source.has_names = true;
+    const bool is_told = source.names_told++ < kMaxNamesTold;
     source.revision = message.names_revision;
     source.slots.clear();
     source.weights.clear();
@@ -269,14 +273,17 @@ bool LivePoses::adoptNames(Source& source, const PoseSamples& message) {
     source.posed = posed.size();
     source.weighed = weights.size();
     source.carrier = targets_.carrier(targets);
-    if (is_first)
-      spdlog::info("{} moves {} of {} things that it names", source.name(),
-                   source.slots.size() + source.weights.size(), source.posed + source.weighed);
-    if (is_first && !missing.empty())
+    if (is_told)
+      spdlog::info("{} names {} things, of which {} are here", source.name(), source.posed + source.weighed,
+                   source.slots.size() + source.weights.size());
+    if (is_told && !missing.empty())
       spdlog::warn(
-          "{} names what this groom does not have: {}{}", source.name(),
+          "{} names what this groom does not have: {}{}{}", source.name(),
           fmt::join(missing.begin(), missing.begin() + std::min<ptrdiff_t>(8, std::ssize(missing)), ", "),
-          missing.size() > 8 ? ", ..." : "");
+          missing.size() > 8 ? ", ..." : "",
+          targets_.hasSkin() || missing[0].substr(0, 6) != "joint:"
+              ? ""
+              : "; joints are those of a skinned body: give --body-joint or --body-clip");
   }
   if (posesPerSample(message) != source.posed || weightsPerSample(message) != source.weighed) return false;
   if (source.track && source.has_scales == !message.scales.empty()) return true;
@@ -319,6 +326,10 @@ void LivePoses::receive(PoseSamples message, int64_t end_ns) {
     return;
   }
   counters_.refused += source->is_refused;
+  if (source->slots.empty() && source->weights.empty()) {
+    ++counters_.refused;
+    return;
+  }
   if (message.sent_time != 0) {
     const auto offset = static_cast<int64_t>(systemTime() - steadyTime());
     addToRing(clocks_ms_, clocks_, kClocksMeasured,
@@ -328,7 +339,7 @@ void LivePoses::receive(PoseSamples message, int64_t end_ns) {
   const bool is_new_epoch = source->has_last && message.epoch != source->last.epoch;
   if (source->has_last && ahead > 0) {
     const auto repeated = static_cast<int32_t>(message.ages.size());
-    counters_.lost += static_cast<uint64_t>(std::max(0, ahead - repeated));
+    if (ahead < kMostLost) counters_.lost += static_cast<uint64_t>(std::max(0, ahead - repeated));
     const auto passed = static_cast<int64_t>(message.time - source->last.time);
     if (!is_new_epoch && passed > 0 && source->last.newest == source->newest) source->period = passed / ahead;
   }
@@ -563,15 +574,21 @@ PoseMetrics LivePoses::metrics(int64_t now) const {
 }
 
 void LivePoses::checkBodyFree(const std::string& name, const std::string& where) const {
-  checkFree("body:" + withoutSpaces(name), "collider '" + name + "'", where);
+  if (const auto owner = owners_.find("body:" + withoutSpaces(name)); owner != owners_.end())
+    refuse(owner->second, "collider '" + name + "'", where);
 }
 
-void LivePoses::checkFree(const std::string& key, const std::string& what, const std::string& where) const {
-  const auto owner = owners_.find(key);
-  if (owner == owners_.end()) return;
+void LivePoses::refuse(uint64_t source, const std::string& what, const std::string& where) {
   throw Error(
-      fmt::format("live source {:016x} moves {}", owner->second, what), where,
+      fmt::format("live source {:016x} moves {}", source, what), where,
       fmt::format("end that program; commands move it {} s after its last poses", kGone / kNsPerSecond));
+}
+
+void LivePoses::checkHeadFree(const std::string& where) const {
+  if (const auto owner = owners_.find("head"); owner != owners_.end())
+    refuse(owner->second, "the head", where);
+  for (const std::unique_ptr<Source>& source : sources_)
+    if (source->movesHair()) refuse(source->id, "the head's joint", where);
 }
 
 }  // namespace strandcast

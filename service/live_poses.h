@@ -37,6 +37,7 @@ class PoseTargets {
   };
   /// kOther where the simulation has nothing of this name.
   Target find(const PosedName& name) const;
+  bool hasSkin() const { return skinned_ != nullptr; }
   /// Index of a morph target of the skinned body.
   std::optional<size_t> findWeight(const std::string& name) const;
   /// Of a sender's targets the one that carries the hair: the nearest of the joint on which hair grows and
@@ -67,7 +68,7 @@ struct PoseMetrics {
   uint32_t sources = 0;
   uint64_t samples = 0;   ///< taken into tracks
   uint64_t late = 0;      ///< came after their step
-  uint64_t lost = 0;      ///< never came
+  uint64_t lost = 0;      ///< never came; gaps of more than 10,000 samples are jumps of the numbers
   uint64_t repeated = 0;  ///< were here already
   uint64_t refused = 0;   ///< messages: of too many sources, without known names, or for what others move
   uint64_t jumps = 0;     ///< steps that were cuts
@@ -132,8 +133,8 @@ class LivePoses {
   void countFrame(int64_t now);
   PoseMetrics metrics(int64_t now) const;
 
-  /// Throw Error, naming `where`, while a source moves the head, or this collider.
-  void checkHeadFree(const std::string& where) const { checkFree("head", "the head", where); }
+  /// Throw Error, naming `where`, while a source moves the head or a joint that carries it, or this collider.
+  void checkHeadFree(const std::string& where) const;
   void checkBodyFree(const std::string& name, const std::string& where) const;
 
  private:
@@ -152,7 +153,7 @@ class LivePoses {
   void append(const Source& source, const PoseSample& shown);
   /// The source that moves the hair.
   const Source* carrier() const;
-  void checkFree(const std::string& key, const std::string& what, const std::string& where) const;
+  [[noreturn]] static void refuse(uint64_t source, const std::string& what, const std::string& where);
 
   const PoseOptions options_;
   Simulation& simulation_;

@@ -122,6 +122,8 @@ TEST_F(FollowedGuides, AndHairsMayBeInFilesOfTheirOwn) {
 TEST_F(FollowedGuides, OptionsThatMakeNoSenseAreRefused) {
   EXPECT_NE(refusalOf("--hair-files FOLDER/plain.usda").find("a procedural scene has no hairs"),
             std::string::npos);
+  EXPECT_NE(refusalOf("--groom FOLDER/plain.usda --guides 5").find("a share of the strands such as 5%"),
+            std::string::npos);
   EXPECT_NE(refusalOf("--guides 5%").find("a procedural scene has no hairs"), std::string::npos);
   for (const std::string guides : {"5%", "all", "FOLDER/few.usda"})
     EXPECT_NE(refusalOf("--groom FOLDER/few.usda --hair-files FOLDER/plain.usda --guides " + guides)

@@ -243,9 +243,10 @@ class HairCollector {
     for (size_t c = 0; c < 3; ++c) {
       const int32_t n = gridIndex(residual[static_cast<Eigen::Index>(c)], grid_.step);
       if (n != static_cast<int16_t>(n))
-        throw Error("a hair lies too far from its guide for the wanted error",
-                    "hair " + std::to_string(h) + ", " + std::to_string(residual.norm()) + " m",
-                    "bind it to a nearer guide or allow a larger error");
+        throw Error(
+            "a hair lies too far from its guide for the wanted error",
+            "hair " + std::to_string(h) + ", " + std::to_string(residual.norm()) + " m",
+            "check the unit of the hairs' file, bind the hair to a nearer guide, or allow a larger error");
       put(plane + c, n);
       steps[static_cast<Eigen::Index>(c)] = static_cast<float>(n);
     }
