@@ -62,6 +62,9 @@ class Daemon {
   /// From now on a frame waits for the bodies that its commands make from files, so that runs are
   /// reproducible. By default such a body appears some frames later, once it is made.
   void waitForBodies() { waits_for_bodies_ = true; }
+  /// Of the live sources that are heard. Callable within Publisher::recordPoses(), for the step that is
+  /// taken.
+  std::vector<LivePoses::Delay> poseDelays() const { return controlled_.poses.delays(); }
   /// Steps take these poses in place of those of live sources.
   void setRecordedPoses(LivePoses::Recorded recorded) { controlled_.poses.setRecorded(std::move(recorded)); }
 

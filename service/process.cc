@@ -92,16 +92,18 @@ std::optional<std::string> ChildProcess::line(milliseconds patience) {
 
 void ChildProcess::endInput() { closeOnce(input_); }
 
+void ChildProcess::kill() { ::kill(pid_, SIGKILL); }
+
 std::string ChildProcess::end() {
   endInput();
-  if (g_interrupted) kill(pid_, SIGTERM);
+  if (g_interrupted) ::kill(pid_, SIGTERM);
   int status = 0;
   pid_t ended = 0;
   const Clock::time_point deadline = Clock::now() + kGrace;
   while ((ended = waitpid(pid_, &status, WNOHANG)) == 0 && Clock::now() < deadline)
     std::this_thread::sleep_for(milliseconds(5));
   if (ended == 0) {
-    kill(pid_, SIGKILL);
+    ::kill(pid_, SIGKILL);
     waitpid(pid_, &status, 0);
   }
   pid_ = 0;

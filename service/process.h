@@ -35,6 +35,8 @@ class ChildProcess {
   std::optional<std::string> line(std::chrono::milliseconds patience);
   /// Closes the child's standard input, as the end of this program would.
   void endInput();
+  /// Ends the child at once, as a crash would. What it has printed can still be read.
+  void kill();
   /// Closes the child's input, and kills it where it still runs two seconds later. Returns how it ended, as
   /// text.
   std::string end();

@@ -7,6 +7,7 @@
 
 #include "apps/cli/verbs.h"
 #include "options/console.h"
+#include "validation/pose_suite.h"
 #include "validation/wire_suite.h"
 
 int main(int argc, char** argv) {
@@ -45,6 +46,8 @@ int main(int argc, char** argv) {
   add("ctl", "Steer a running daemon", addCtl);
   add("keys", "Make the keys of a network that admits only known programs", addKeys);
   add("wire-reader", "Internal: the reading process of `validate wire`", addWireReader);
+  verbs.back().first->group("");
+  add("pose-sender", "Internal: the sending process of `validate poses`", addPoseSender);
   verbs.back().first->group("");
   if (const std::optional<int> ended = parseArguments(app, argc, argv)) return *ended;
   spdlog::set_default_logger(spdlog::stderr_color_mt("strandcast"));

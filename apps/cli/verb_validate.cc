@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <type_traits>
 
 #include "apps/cli/verbs.h"
@@ -12,6 +13,7 @@
 #include "options/console.h"
 #include "options/number_range.h"
 #include "service/scene_simulation.h"
+#include "validation/pose_suite.h"
 #include "validation/suite.h"
 #include "validation/wire_suite.h"
 
@@ -24,6 +26,7 @@ struct ValidateOptions {
   bool json = false, list = false;
   CantileverNumbers cantilever;
   bool own_cantilever = false;
+  std::optional<double> minutes;
 };
 
 void printList(const Suite& suite) {
@@ -63,9 +66,9 @@ Suite allSuites() {
 /// Suites that are not part of the simulation's.
 std::vector<Suite> otherSuites() {
 #ifdef STRANDCAST_HAS_RENDER
-  return {wireSuite(), renderSuite()};
+  return {wireSuite(), poseSuite(), renderSuite()};
 #else
-  return {wireSuite()};
+  return {wireSuite(), poseSuite()};
 #endif
 }
 
@@ -75,6 +78,11 @@ Suite suiteOf(const ValidateOptions& o) {
       throw Error("this suite takes no numbers of a cantilever", o.suite,
                   "give --gamma and so on to `cantilever` only");
     return cantileverSuite(o.cantilever);
+  }
+  if (o.minutes) {
+    if (o.suite != "poses")
+      throw Error("this suite has no duration to choose", o.suite, "give --minutes to `poses` only");
+    return poseSuite(60 * *o.minutes);
   }
   if (o.suite == "all") return allSuites();
   for (const Suite& suite : otherSuites())
@@ -145,6 +153,7 @@ Verb addValidate(CLI::App& app) {
       "  strandcast validate cantilever --gamma 3.7 --vertices 40 --dt 0.002 --damping 1\n"
       "  strandcast validate physics --only helix --json\n"
       "  strandcast validate wire --only \"delta16 5000x32 60 Hz\"\n"
+      "  strandcast validate poses --only \"lcm 60 Hz\" --minutes 20\n"
       "  strandcast validate cantilever --solver gauss_seidel   errors of the other solver");
   app.add_option("SUITE", o->suite, "suite to run")->required();
   app.add_option("--backend", o->backend, "auto, reference, simd or gpu")->capture_default_str();
@@ -168,6 +177,8 @@ Verb addValidate(CLI::App& app) {
   number("--vertices", o->cantilever.vertices, {2, 127, true}, "free vertices, 2 to 127 (32)");
   number("--dt", o->cantilever.time_step, {}, "time step, s (1/360)");
   number("--damping", o->cantilever.damping, {0.05, 100}, "air drag, 1/s, 0.05 to 100 (5)");
+  app.add_option("--minutes", o->minutes, "duration of each row of `poses`, 0.07 to 600 (a third)")
+      ->transform(inRange({0.07, 600}));
   app.add_flag("--list", o->list, "list the cases and their descriptions without running them");
   app.add_flag("--json", o->json, "print one JSON object");
   return [o] { return validate(*o); };

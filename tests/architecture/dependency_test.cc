@@ -36,10 +36,10 @@ const std::map<std::string, Folders> kAllowed = {
      {"core", "kernels", "simd", "air", "gpu_compute", "collision", "io", "groom", "scenes", "transport",
       "options"}},
     {"validation",
-     {"core", "kernels", "air", "gl", "collision", "groom", "scenes", "transport", "render", "options",
+     {"core", "kernels", "air", "gl", "collision", "io", "groom", "scenes", "transport", "render", "options",
       "service"}},
     {"bench",
-     {"core", "kernels", "simd", "air", "gl", "gpu_compute", "collision", "io", "groom", "scenes",
+     {"core", "kernels", "simd", "air", "gl", "gpu_compute", "collision", "io", "io", "groom", "scenes",
       "transport", "render", "options", "service", "validation"}},
     {"examples", {"core", "kernels", "transport"}},
 };
