@@ -39,7 +39,7 @@ const std::map<std::string, Folders> kAllowed = {
      {"core", "kernels", "air", "gl", "collision", "io", "groom", "scenes", "transport", "render", "options",
       "service"}},
     {"bench",
-     {"core", "kernels", "simd", "air", "gl", "gpu_compute", "collision", "io", "io", "groom", "scenes",
+     {"core", "kernels", "simd", "air", "gl", "gpu_compute", "collision", "io", "groom", "scenes",
       "transport", "render", "options", "service", "validation"}},
     {"examples", {"core", "kernels", "transport"}},
 };
