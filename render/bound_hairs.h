@@ -19,8 +19,8 @@ namespace strandcast {
 std::vector<Hair> boundHairs(const HairDescription& hairs, const StrandSet& guides, const HairGrowth& growth,
                              float hair_width);
 
-/// Bound hairs at rest on the device, and the shader that grows them: 16 bytes a hair, 32 a vertex. They are
-/// not kept out of obstacles: their guides are, and at rest they are as the artist made them.
+/// Bound hairs at rest on the device, and the shader that grows them: 16 bytes a hair, 32 a vertex. Obstacles
+/// do not move them: they move their guides, and at rest hairs are as the artist made them.
 class BoundHairs {
  public:
   /// `hairs`: 1 or more strands of 1 or more vertices, m, groom frame. Throws Error where the device allows

@@ -466,24 +466,24 @@ TEST_F(LivePosesTest, SourcesOfDifferentThingsMoveTogether) {
   shape.radius = 0.04f;
   shapeNumbers(shape, [&](float n) { ball.push_back(static_cast<double>(n)); });
   Sender other{channel_, 8, "body:a%20ball joint:tail"};
-  const Pose thrown{Vec3(0.3f, 0.2f, 0.1f), Quat::Identity()};
-  other.send({thrown, {}});
+  const Pose moved{Vec3(0.3f, 0.2f, 0.1f), Quat::Identity()};
+  other.send({moved, {}});
   controlled_->advance();
   ASSERT_EQ(order(CommandKind::kAddCollider, "a ball", ball), "") << "a body may come after its poses";
   for (int step = 0; step < 10; ++step) {
     sender_.send({nodding(step / 60.0)});
-    other.send({thrown, {}});
+    other.send({moved, {}});
     controlled_->advance();
   }
   EXPECT_TRUE(areSame(head(), nodding(9 / 60.0)));
   const BodyId body = controlled_->colliders.named().at("a ball").body;
-  EXPECT_TRUE(areSame(controlled_->simulation.bodyPose(body), thrown));
+  EXPECT_TRUE(areSame(controlled_->simulation.bodyPose(body), moved));
   EXPECT_EQ(metrics().refused, 0u);
   EXPECT_NE(order(CommandKind::kMoveCollider, "a ball", {0, 0, 0, 0, 0, 0, 1})
                 .find("live source 0000000000000008 moves collider 'a ball'"),
             std::string::npos);
   EXPECT_EQ(order(CommandKind::kRemoveCollider, "a ball", {}), "");
-  other.send({thrown, {}});
+  other.send({moved, {}});
   controlled_->advance();
 }
 

@@ -6,32 +6,13 @@
 #include <random>
 
 #include "groom/hair_binding.h"
+#include "tests/groom/curled_hairs.h"
 
 namespace strandcast {
 namespace {
 
-/// Curled hairs of 2 to 30 vertices on a patch of 6 cm.
-StrandSet curls(size_t hairs, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> unit(-1, 1);
-  StrandSet strands;
-  for (size_t s = 0; s < hairs; ++s) {
-    const Vec3 root(0.03f * unit(random), 0.1f, 0.03f * unit(random));
-    const float phase = 3 * unit(random), radius = 0.01f + 0.005f * unit(random);
-    std::vector<Vec3> points;
-    const size_t vertices = 2 + s % 29;
-    for (size_t i = 0; i < vertices; ++i) {
-      const float t = static_cast<float>(i) / static_cast<float>(vertices - 1), turn = 9 * t + phase;
-      points.push_back(root + Vec3(radius * (std::cos(turn) - std::cos(phase)), -0.2f * t,
-                                   radius * (std::sin(turn) - std::sin(phase))));
-    }
-    strands.append(points);
-  }
-  return strands;
-}
-
 struct Fixture {
-  StrandSet guides = curls(29, 1), hairs = curls(120, 2);
+  StrandSet guides = curledHairs(29, 1, 0.1f), hairs = curledHairs(120, 2, 0.1f);
   std::vector<HairBinding> bindings = bindHairs(hairs, guides);
   std::vector<Quat> unrotated = std::vector<Quat>(29, Quat::Identity());
 

@@ -12,6 +12,7 @@
 #include "render/bound_hairs.h"
 #include "render/hair_pass.h"
 #include "render/shader_validation.h"
+#include "tests/groom/curled_hairs.h"
 #include "tests/real_data.h"
 #include "tests/render/offscreen.h"
 
@@ -19,26 +20,6 @@ namespace strandcast {
 namespace {
 
 constexpr int kNodeSegments = 32;
-
-/// Curled hairs of 2 to 30 vertices on a patch of 6 cm, a metre above the origin.
-StrandSet curls(size_t hairs, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> unit(-1, 1);
-  StrandSet strands;
-  for (size_t s = 0; s < hairs; ++s) {
-    const Vec3 root(0.03f * unit(random), 1.6f, 0.03f * unit(random));
-    const float phase = 3 * unit(random), radius = 0.01f + 0.005f * unit(random);
-    std::vector<Vec3> points;
-    const size_t vertices = 2 + s % 29;
-    for (size_t i = 0; i < vertices; ++i) {
-      const float t = static_cast<float>(i) / static_cast<float>(vertices - 1), turn = 9 * t + phase;
-      points.push_back(root + Vec3(radius * (std::cos(turn) - std::cos(phase)), -0.2f * t,
-                                   radius * (std::sin(turn) - std::sin(phase))));
-    }
-    strands.append(points);
-  }
-  return strands;
-}
 
 /// Hairs bound to guides, grown by the shader.
 struct Bound {
@@ -113,7 +94,7 @@ std::vector<Vec3> bent(const StrandSet& guides, const Pose& head) {
 using BoundHairGrowth = OffscreenTest;
 
 TEST_F(BoundHairGrowth, EqualsDoublePrecisionWhereGuidesBendAndTheHeadMoves) {
-  Bound bound(curls(29, 1), curls(120, 2));
+  Bound bound(curledHairs(29, 1, 1.6f), curledHairs(120, 2, 1.6f));
   const Pose head{Vec3(0.1f, 0.2f, -0.3f),
                   Quat(Eigen::AngleAxisf(0.8f, Eigen::Vector3f(1, 2, 3).normalized()))};
   EXPECT_LT(bound.worst(bent(bound.guides, {}), {}), 2e-6);
@@ -121,11 +102,11 @@ TEST_F(BoundHairGrowth, EqualsDoublePrecisionWhereGuidesBendAndTheHeadMoves) {
 }
 
 TEST_F(BoundHairGrowth, IsTheArtistsHairAtRest) {
-  EXPECT_LT(Bound(curls(29, 1), curls(120, 2)).worstAtRest(), 5e-7);
+  EXPECT_LT(Bound(curledHairs(29, 1, 1.6f), curledHairs(120, 2, 1.6f)).worstAtRest(), 5e-7);
 }
 
 TEST_F(BoundHairGrowth, MovesRigidlyWithTheHead) {
-  Bound bound(curls(29, 1), curls(120, 2));
+  Bound bound(curledHairs(29, 1, 1.6f), curledHairs(120, 2, 1.6f));
   const Pose head{Vec3(0.3f, 0.2f, -0.4f),
                   Quat(Eigen::AngleAxisf(2.4f, Eigen::Vector3f(1, 2, -1).normalized()))};
   std::vector<Vec3> now;
@@ -142,7 +123,7 @@ TEST_F(BoundHairGrowth, MovesRigidlyWithTheHead) {
 }
 
 TEST_F(BoundHairGrowth, LeavesVerticesOutByTheStrideButNotTips) {
-  Bound bound(curls(29, 1), curls(120, 2));
+  Bound bound(curledHairs(29, 1, 1.6f), curledHairs(120, 2, 1.6f));
   const auto all = bound.grow(bound.guides.positions), few = bound.grow(bound.guides.positions, {}, 4);
   for (size_t s = 0; s < all.size(); ++s) {
     const size_t vertices = bound.description.hairs.verticesOf(s);
@@ -154,9 +135,9 @@ TEST_F(BoundHairGrowth, LeavesVerticesOutByTheStrideButNotTips) {
 }
 
 TEST_F(BoundHairGrowth, HidesTheHairsOfAGuideThatIsNotFinite) {
-  StrandSet hairs = curls(40, 3);
+  StrandSet hairs = curledHairs(40, 3, 1.6f);
   hairs.append(std::vector<Vec3>{Vec3(0, 1.6f, 0)});  // one vertex
-  Bound bound(curls(5, 1), hairs);
+  Bound bound(curledHairs(5, 1, 1.6f), hairs);
   std::vector<Vec3> now = bound.guides.positions;
   now[bound.guides.offsets[2] + 1].y() = std::numeric_limits<float>::quiet_NaN();
   bound.nodes.setGroom(bound.guides, true);
@@ -185,7 +166,7 @@ TEST_F(BoundHairGrowth, HidesTheHairsOfAGuideThatIsNotFinite) {
 }
 
 TEST_F(BoundHairGrowth, TakesWidthsColoursAndDifferencesFromTheArtist) {
-  Bound bound(curls(9, 1), curls(3, 2));
+  Bound bound(curledHairs(9, 1, 1.6f), curledHairs(3, 2, 1.6f));
   HairDescription& d = bound.description;
   const std::vector<Hair> plain = boundHairs(d, bound.guides, {}, 2e-4f);
   for (const Hair& hair : plain) {
