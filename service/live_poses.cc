@@ -520,7 +520,7 @@ void LivePoses::idle(double end, int64_t now) {
 std::vector<LivePoses::Delay> LivePoses::delays() const {
   std::vector<Delay> delays;
   for (const std::unique_ptr<Source>& source : sources_)
-    if (source->lock.isLocked()) delays.push_back({source->id, source->lock.delay()});
+    if (source->lock.isLocked()) delays.push_back({source->id, source->lock.delay(), source->lock.locks()});
   return delays;
 }
 

@@ -112,6 +112,7 @@ class LivePoses {
   struct Delay {
     uint64_t source = 0;
     int64_t ns = 0;
+    uint32_t locks = 0;  ///< of this daemon to the source, since its first message
   };
   /// Of all sources that are locked.
   std::vector<Delay> delays() const;

@@ -46,6 +46,7 @@ bool PoseLock::lockIfDue(int64_t step_end_ns) {
   if (!has_arrival || !is_due_ || (is_locked_ && arrival_ - locked_at_ < kMinLockInterval)) return false;
   delay_ = step_end_ns - newest_;
   is_locked_ = true;
+  ++locks_;
   is_due_ = false;
   far_ = 0;
   locked_at_ = arrival_;

@@ -67,6 +67,7 @@ class PoseLock {
 
   bool isLocked() const { return is_locked_; }
   int64_t delay() const { return delay_; }
+  uint32_t locks() const { return locks_; }  ///< since the start
   int64_t timeOf(int64_t step_end_ns) const { return step_end_ns - delay_; }
   /// Moves the times of steps towards a sample: it is `error_ns` before the step that took it. At most 0.5 %
   /// of a step.
@@ -76,7 +77,8 @@ class PoseLock {
 
  private:
   bool is_locked_ = false, is_due_ = true;
-  bool has_arrival_ = false;                          ///< since the last step
+  bool has_arrival_ = false;  ///< since the last step
+  uint32_t locks_ = 0;
   int far_ = 0;                                       ///< far messages in succession
   int64_t newest_ = 0, arrival_ = 0, locked_at_ = 0;  ///< sender's time and arrival of the last message
   int64_t delay_ = 0;

@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <set>
 #include <span>
 #include <string>
 #include <thread>
@@ -118,8 +119,10 @@ int sendPoses(const SenderOptions& o) {
 /// The poses that a step took.
 struct PosedStep {
   StepPoses taken;
-  uint64_t newest = 0;  ///< ns, sender's clock: the newest sample that the source had brought by then
-  int64_t delay = 0;    ///< ns, simulation time less the sender's
+  uint64_t newest = 0;     ///< ns, sender's clock: the newest sample that the source had brought by then
+  int64_t delay = 0;       ///< ns, simulation time less the sender's
+  uint32_t locks = 0;      ///< of the daemon to the source
+  bool is_framed = false;  ///< samples around the step are near enough for interpolation within kLimitMm
 };
 
 /// A bad link between senders and a daemon, at the daemon's end: it drops messages of poses and holds the
@@ -127,7 +130,9 @@ struct PosedStep {
 /// the poses of all steps.
 class BadLink final : public Publisher {
  public:
-  explicit BadLink(std::unique_ptr<RecordingPublisher> publisher) : publisher_(std::move(publisher)) {}
+  /// `rate`: samples per second.
+  BadLink(std::unique_ptr<RecordingPublisher> publisher, double rate)
+      : publisher_(std::move(publisher)), period_(toNanoseconds(1 / rate)) {}
 
   std::optional<PoseSamples> takePoses() override {
     while (std::optional<PoseSamples> message = publisher_->takePoses()) {
@@ -148,14 +153,22 @@ class BadLink final : public Publisher {
     auto next = held_.extract(held_.begin());
     PoseSamples message = std::move(next.mapped());
     message.arrival_time = next.key();
-    uint64_t& newest = newest_[message.source];
-    newest = std::max(newest, message.time);
+    Known& known = known_[message.source];
+    known.last.clear();
+    for (const uint32_t age : message.ages) known.last.insert(message.time - age);
+    known.times.insert(known.last.begin(), known.last.end());
     return message;
   }
   void recordPoses(const StepPoses& poses) override {
-    PosedStep& step = steps_.emplace_back(poses, newest_[poses.poses.source]);
-    for (const LivePoses::Delay& delay : daemon->poseDelays())
-      if (delay.source == poses.poses.source) step.delay = delay.ns;
+    Known& known = known_[poses.poses.source];
+    PosedStep& step = steps_.emplace_back(poses, *known.times.rbegin());
+    for (const LivePoses::Delay& delay : daemon->poseDelays()) {
+      if (delay.source != poses.poses.source) continue;
+      step.delay = delay.ns;
+      step.locks = delay.locks;
+    }
+    if (std::exchange(known.locks, step.locks) != step.locks) known.times = known.last;  // as LivePoses
+    step.is_framed = isFramed(known.times, poses.poses.time);
     publisher_->recordPoses(poses);
   }
   void announce(const GroomDescription& groom, const BodyDescription& body) override {
@@ -178,11 +191,27 @@ class BadLink final : public Publisher {
   double silence() const { return silence_; }  ///< s, between the messages of senders that follow each other
 
  private:
+  /// Samples of a source that the daemon has.
+  struct Known {
+    std::set<uint64_t> times, last;  ///< ns, sender's clock: since the lock; of the last message
+    uint32_t locks = 0;
+  };
+  /// PoseTrack interpolates between two samples with the three before them. One period or two may lie between
+  /// neighbours; where more are missing, the motion between them is not known within kLimitMm.
+  bool isFramed(const std::set<uint64_t>& times, uint64_t base) const {
+    auto at = times.upper_bound(base);
+    for (int i = 0; i < 4; ++i, --at)
+      if (at == times.end() || at == times.begin() || *at - *std::prev(at) > 2 * period_ + period_ / 2)
+        return false;
+    return true;
+  }
+
   const std::unique_ptr<RecordingPublisher> publisher_;
+  const uint64_t period_;  ///< ns, of the samples
   std::mt19937 random_{1};
   std::uniform_real_distribution<double> even_{0, 1};
   std::multimap<uint64_t, PoseSamples> held_;  ///< by the time at which each is let through
-  std::map<uint64_t, uint64_t> newest_;        ///< by source
+  std::map<uint64_t, Known> known_;            ///< by source
   std::vector<PosedStep> steps_;
   uint64_t messages_ = 0, dropped_ = 0, source_ = 0, last_arrival_ = 0;
   int sources_ = 0;
@@ -330,7 +359,7 @@ LiveRun castLive(const TrialRow& row, const WalkerSettings& walker, const std::f
                  const std::function<void(double part)>& progress) {
   const int domain = 3 + static_cast<int>(getpid() % 98);  // as the suite "wire"
   const uint64_t session = newSession();
-  BadLink link(std::make_unique<RecordingPublisher>(makeRowPublisher(row, domain, session)));
+  BadLink link(std::make_unique<RecordingPublisher>(makeRowPublisher(row, domain, session)), row.rate);
   Daemon daemon(walker.settings, makeScene(walker.settings.scene), link, session);
   link.daemon = &daemon;
   link.recording().open(file, {1, {}, simulationSource(walker.words, walker.options, "simd", "")});
@@ -384,9 +413,10 @@ class OfflineRun {
   std::span<const Vec3> hair() { return simulation_.guides(); }
 
   uint64_t exact() const { return exact_; }  ///< steps that took a sample bit for bit
-  /// Largest distance of roots from the sender's skin, m, of steps at and between samples, unless they
-  /// rejoin.
+  /// Largest distance of roots from the sender's skin, m, of steps at samples and of framed ones between
+  /// them, unless they rejoin.
   double farthestFromSkin() const { return farthest_; }
+  uint64_t judged() const { return judged_; }  ///< those steps
   /// Largest motion of a root in a step beyond what the sender's motion and the gap before explain, m.
   double largestJump() const { return jump_; }
   double largestMotion() const { return largest_motion_; }  ///< m, of a root in a step, of the sender
@@ -470,7 +500,8 @@ class OfflineRun {
     const auto ahead = static_cast<int64_t>(posed.newest) - time;
     const bool has_next = ahead > 0 && ahead <= kFarthestSample;
     const bool is_held = !is_exact && !has_next && now - time > step_ns_ / 10;
-    const bool is_relocked = std::abs(now - now_ - step_ns_) > step_ns_ / 10;
+    const bool is_relocked =
+        posed.locks != locks_ || std::abs(now - now_ - step_ns_) > step_ns_ / 10;  // or another source
     const double step = 1e-9 * static_cast<double>(step_ns_);
     const std::vector<Vec3> skin = skinAt(now), skin_before = skinAt(now - step_ns_);
     double explained = is_held ? largest_motion_ : farthestOf(skin, skin_before);
@@ -485,10 +516,13 @@ class OfflineRun {
     held_ = is_held ? step + (time == base_ ? held_ : 0) : 0;
     if (is_exact) rejoin_speed_ = 0;
     now_ = now;
+    locks_ = posed.locks;
     base_ = time;
     newest_ = posed.newest;
     jump_ = worse(jump_, std::max(0.0, farthestOf(shown_, roots) - explained));
-    if (!is_held && rejoin_speed_ == 0) farthest_ = worse(farthest_, farthestOf(roots, skin));
+    if (rejoin_speed_ != 0 || !(is_exact || (has_next && posed.is_framed))) return;
+    farthest_ = worse(farthest_, farthestOf(roots, skin));
+    ++judged_;
   }
 
   Scene scene_;
@@ -501,7 +535,8 @@ class OfflineRun {
   double held_ = 0;             ///< s for which no newer sample was known
   double rejoin_speed_ = 0;     ///< m/s, greatest of what rejoining adds; 0: steps do not rejoin
   std::vector<Vec3> shown_;     ///< roots of the step before
-  uint64_t exact_ = 0;
+  uint32_t locks_ = 0;          ///< at the step before
+  uint64_t exact_ = 0, judged_ = 0;
   int64_t lonely_ = 0;
   double largest_motion_ = 0, farthest_ = 0, jump_ = 0;
 };
@@ -564,7 +599,8 @@ std::vector<Case> casesOfRow(const TrialRow& row) {
   add("hair against an offline run of the sender's motion, largest distance", "mm", 1e3 * hair, 0, kLimitMm);
   add("roots against the sender's skin, largest distance", "mm", 1e3 * offline.farthestFromSkin(), 0,
       kLimitMm);
-  note("steps at and between samples that do not rejoin");
+  note(fmt::format("{} of {} steps: at samples, or with near ones around them", offline.judged(),
+                   live.steps.size()));
   add("largest motion of a root in a step beyond what the sender's and the gap explain", "mm",
       1e3 * offline.largestJump(), 0, kJumpMm);
   note(fmt::format("{} cuts, {} relocks; the sender moves roots by {:.1f} mm in a step at most",
