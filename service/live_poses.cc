@@ -181,10 +181,11 @@ struct LivePoses::Source {
   bool has_last = false;
   uint32_t newest = 0;  ///< greatest number of a sample
   int64_t heard = 0;    ///< steady clock
-  int64_t period = 0;
+  int64_t period = 0;   ///< from sample to sample, ns; 0: not known
 
   const PoseTrack::Step* taken = nullptr;
-  uint64_t exact_steps = ~uint64_t{0};  ///< a bit for each of the last 64
+  uint64_t exact_steps = ~uint64_t{0};  ///< a bit for each of the last 64 that should have had a sample
+  bool awaits_period = false;           ///< the lock could not know it
   bool takes_over = false;              ///< its next step is the first with the hair
   bool is_refused = false;              ///< other sources move some of what it names
   bool has_told_refusal = false;
@@ -198,6 +199,14 @@ struct LivePoses::Source {
            std::any_of(weights.begin(), weights.end(), isOwned);
   }
   bool movesHair() const { return carrier && slots[*carrier].is_owned; }
+  /// By how much the first step after a lock is before the newest sample, ns: one period where the sender is
+  /// slower than the steps. So both samples around the next steps are there, and the pace has nothing to
+  /// catch up. PoseLock::followPhase keeps up with a sender that is slower by 0.5 %: its samples all fall on
+  /// steps.
+  int64_t hold(int64_t step_ns, int64_t longest) const {
+    const bool is_slower = period > step_ns + step_ns / 200 && period <= PoseTrack::kLongestInterval;
+    return is_slower ? std::min(period, longest) : 0;
+  }
   /// How much longer a step waits than for its own sample.
   int64_t wait() const { return std::popcount(exact_steps) >= kMostlyExact ? 0 : period; }
   int64_t wallOf(int64_t step_end, int64_t longest) const {
@@ -343,6 +352,8 @@ void LivePoses::receive(PoseSamples message, int64_t end_ns) {
     const auto passed = static_cast<int64_t>(message.time - source->last.time);
     if (!is_new_epoch && passed > 0 && source->last.newest == source->newest) source->period = passed / ahead;
   }
+  if (source->period == 0 && message.ages.size() > 1)
+    source->period = message.ages.back() / static_cast<int64_t>(message.ages.size() - 1);
   if (!source->has_last || ahead > 0) source->newest = message.newest;
   const bool is_near =
       source->lock.arrive(static_cast<int64_t>(message.time), is_new_epoch, source->heard, end_ns);
@@ -403,11 +414,21 @@ void LivePoses::assign(int64_t now) {
 
 bool LivePoses::take(Source& source, int64_t end_ns, int64_t step_ns) {
   const bool was_locked = source.lock.isLocked();
-  if (source.has_last && source.track && source.lock.lockIfDue(end_ns)) {
+  const int64_t hold = source.hold(step_ns, nanosecondsOf(options_.delay_max));
+  if (source.has_last && source.track && source.lock.lockIfDue(end_ns, hold)) {
     counters_.relocks += was_locked;
     source.clock.restart();
     source.track->forget();
     addSamples(source, source.last);
+    source.awaits_period = source.period == 0;
+    if (hold > 0) source.exact_steps = 0;
+  } else if (source.awaits_period && source.period > 0) {
+    // Steps have stood at the only sample since, and begin to move from there.
+    source.awaits_period = false;
+    if (hold > 0) {
+      source.lock.holdBack(end_ns, hold);
+      source.exact_steps = 0;
+    }
   }
   if (!source.lock.isLocked() || !source.track) return false;
   const auto time = [&] { return source.lock.timeOf(end_ns); };
@@ -416,8 +437,11 @@ bool LivePoses::take(Source& source, int64_t end_ns, int64_t step_ns) {
       source.lock.takePhase(time() - *nearest, step_ns);
   source.taken = &source.track->advance(time(), step_ns);
   if (source.taken->state == PoseState::kNone) return false;
-  if (source.taken->is_exact) source.lock.followPhase(time() - source.taken->shown.time_ns, step_ns);
-  if (source.taken->state == PoseState::kLive || source.taken->state == PoseState::kRejoining)
+  const int64_t age = time() - source.taken->shown.time_ns;
+  if (source.taken->is_exact) source.lock.followPhase(age, step_ns);
+  // Without the next sample a step is between samples where that is not yet due.
+  if (source.taken->state == PoseState::kLive || source.taken->state == PoseState::kRejoining ||
+      age < source.period - step_ns / 100)
     source.exact_steps = source.exact_steps << 1 | (source.taken->is_exact ? 1 : 0);
   if (!source.moves()) return false;
   append(source, source.taken->shown);
@@ -526,7 +550,10 @@ std::vector<LivePoses::Delay> LivePoses::delays() const {
 
 void LivePoses::adopt(const Delay& delay) {
   for (const std::unique_ptr<Source>& source : sources_)
-    if (source->id == delay.source) source->lock.adopt(delay.ns);
+    if (source->id == delay.source) {
+      source->lock.adopt(delay.ns);
+      source->awaits_period = false;
+    }
 }
 
 void LivePoses::release() {

@@ -40,11 +40,11 @@ bool PoseLock::arrive(int64_t sender_ns, bool is_new_epoch, int64_t arrival_ns, 
   return !is_far;
 }
 
-bool PoseLock::lockIfDue(int64_t step_end_ns) {
+bool PoseLock::lockIfDue(int64_t step_end_ns, int64_t hold_ns) {
   const bool has_arrival = has_arrival_;
   has_arrival_ = false;
   if (!has_arrival || !is_due_ || (is_locked_ && arrival_ - locked_at_ < kMinLockInterval)) return false;
-  delay_ = step_end_ns - newest_;
+  delay_ = step_end_ns - newest_ + hold_ns;
   is_locked_ = true;
   ++locks_;
   is_due_ = false;

@@ -54,7 +54,12 @@ class PoseLock {
   /// Sets the delay so that the step takes the newest sample, where a lock is due: after the first message,
   /// after 8 far ones in succession or a far one of a new epoch, and after release(). True where it did; the
   /// caller then restarts clock and track. Call once per step, after its messages.
-  bool lockIfDue(int64_t step_end_ns);
+  /// `hold_ns`: by how much the step takes an earlier time than that of the newest sample, 0 or more.
+  bool lockIfDue(int64_t step_end_ns, int64_t hold_ns = 0);
+  /// Holds the newest sample back after a lock that could not know by how much. Nothing happens before it.
+  void holdBack(int64_t step_end_ns, int64_t hold_ns) {
+    if (is_locked_) delay_ = step_end_ns - newest_ + hold_ns;
+  }
   /// The next arrival locks: the daemon was paused, or is too slow for the sender. Until then the delay
   /// stays.
   void release() { is_due_ = true; }

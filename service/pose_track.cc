@@ -13,8 +13,7 @@ namespace {
 using Eigen::Quaterniond, Eigen::Vector3d;
 
 // Times in ns.
-constexpr int64_t kLongestInterval = 250'000'000;  ///< between samples that are interpolated
-constexpr int64_t kMinRateTime = 10'000'000;       ///< of a rate: below it the noise of trackers shows
+constexpr int64_t kMinRateTime = 10'000'000;  ///< of a rate: below it the noise of trackers shows
 constexpr int64_t kLinear = 1'000'000;  ///< up to which a sample's motion goes on as if the next were here
 /// Of the carrier from sample to sample, m/s and rad/s: what is faster is a jump. Times below 5 ms count as
 /// 5 ms, because noise alone is as fast at 1 kHz.

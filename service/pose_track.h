@@ -83,6 +83,8 @@ class PoseTrack {
   /// jump; the poses then rejoin. Valid until the next call.
   const Step& advance(int64_t time_ns, int64_t step_ns);
 
+  static constexpr int64_t kLongestInterval = 250'000'000;  ///< ns, between samples that are interpolated
+
   /// Time of the sample nearest to a time.
   std::optional<int64_t> nearest(int64_t time_ns) const;
 
