@@ -355,9 +355,9 @@ void LivePoses::receive(PoseSamples message, int64_t end_ns) {
   if (source->period == 0 && message.ages.size() > 1)
     source->period = message.ages.back() / static_cast<int64_t>(message.ages.size() - 1);
   if (!source->has_last || ahead > 0) source->newest = message.newest;
-  const bool is_near =
+  const bool is_of_timeline =
       source->lock.arrive(static_cast<int64_t>(message.time), is_new_epoch, source->heard, end_ns);
-  if (is_near && source->lock.isLocked()) addSamples(*source, message);
+  if (is_of_timeline && source->lock.isLocked()) addSamples(*source, message);
   source->last = std::move(message);
   source->has_last = true;
 }
@@ -417,9 +417,11 @@ bool LivePoses::take(Source& source, int64_t end_ns, int64_t step_ns) {
   const int64_t hold = source.hold(step_ns, nanosecondsOf(options_.delay_max));
   if (source.has_last && source.track && source.lock.lockIfDue(end_ns, hold)) {
     counters_.relocks += was_locked;
-    source.clock.restart();
-    source.track->forget();
-    addSamples(source, source.last);
+    if (source.lock.beganTimeline()) {
+      source.clock.restart();
+      source.track->forget();
+      addSamples(source, source.last);
+    }
     source.awaits_period = source.period == 0;
     if (hold > 0) source.exact_steps = 0;
   } else if (source.awaits_period && source.period > 0) {

@@ -32,12 +32,15 @@ int64_t PoseClock::wallOf(int64_t sender_ns, int64_t wait_ns, int64_t longest_ns
 
 bool PoseLock::arrive(int64_t sender_ns, bool is_new_epoch, int64_t arrival_ns, int64_t step_end_ns) {
   const bool is_far = is_locked_ && std::abs(sender_ns - timeOf(step_end_ns)) > kFar;
+  const int64_t offset = arrival_ns - sender_ns;
+  is_foreign_ = is_far && std::abs(offset - offset_) > kFar;
+  if (!is_foreign_) offset_ = offset;
   far_ = is_far ? far_ + 1 : 0;
   is_due_ = is_due_ || far_ >= kFarArrivals || (is_far && is_new_epoch);
   has_arrival_ = true;
   newest_ = sender_ns;
   arrival_ = arrival_ns;
-  return !is_far;
+  return !is_foreign_;
 }
 
 bool PoseLock::lockIfDue(int64_t step_end_ns, int64_t hold_ns) {
@@ -45,6 +48,9 @@ bool PoseLock::lockIfDue(int64_t step_end_ns, int64_t hold_ns) {
   has_arrival_ = false;
   if (!has_arrival || !is_due_ || (is_locked_ && arrival_ - locked_at_ < kMinLockInterval)) return false;
   delay_ = step_end_ns - newest_ + hold_ns;
+  began_timeline_ = !is_locked_ || is_foreign_;
+  offset_ = arrival_ - newest_;
+  is_foreign_ = false;
   is_locked_ = true;
   ++locks_;
   is_due_ = false;

@@ -47,15 +47,19 @@ class PoseClock {
 class PoseLock {
  public:
   /// Notes a message whose newest sample is of `sender_ns`, before the step that ends at `step_end_ns`.
-  /// `is_new_epoch`: the sender says that its motion jumps or its clock was set. False where the sample is
-  /// far (0.5 s) from the step's time: such samples belong to another timeline and are left out until the
-  /// next lock.
+  /// `is_new_epoch`: the sender says that its motion jumps or its clock was set. False where the sample
+  /// belongs to another timeline: it is far (0.5 s) from the step's time, and as far from the time that the
+  /// sender's clock has shown at such an arrival. Such samples are left out until the next lock. One that is
+  /// far from the step's time alone is taken: the daemon was paused, or is too slow.
   bool arrive(int64_t sender_ns, bool is_new_epoch, int64_t arrival_ns, int64_t step_end_ns);
   /// Sets the delay so that the step takes the newest sample, where a lock is due: after the first message,
-  /// after 8 far ones in succession or a far one of a new epoch, and after release(). True where it did; the
-  /// caller then restarts clock and track. Call once per step, after its messages.
+  /// after 8 far ones in succession or a far one of a new epoch, and after release(). True where it did. Call
+  /// once per step, after its messages.
   /// `hold_ns`: by how much the step takes an earlier time than that of the newest sample, 0 or more.
   bool lockIfDue(int64_t step_end_ns, int64_t hold_ns = 0);
+  /// Whether the last lock began another timeline: it was the first, or the sender's clock was set. Earlier
+  /// samples then have no place among the later ones, nor has their clock.
+  bool beganTimeline() const { return began_timeline_; }
   /// Holds the newest sample back after a lock that could not know by how much. Nothing happens before it.
   void holdBack(int64_t step_end_ns, int64_t hold_ns) {
     if (is_locked_) delay_ = step_end_ns - newest_ + hold_ns;
@@ -83,6 +87,9 @@ class PoseLock {
  private:
   bool is_locked_ = false, is_due_ = true;
   bool has_arrival_ = false;  ///< since the last step
+  bool is_foreign_ = false;   ///< the last message belongs to another timeline
+  bool began_timeline_ = false;
+  int64_t offset_ = 0;  ///< arrival less sender's time, of the last message of this timeline
   uint32_t locks_ = 0;
   int far_ = 0;                                       ///< far messages in succession
   int64_t newest_ = 0, arrival_ = 0, locked_at_ = 0;  ///< sender's time and arrival of the last message

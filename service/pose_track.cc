@@ -251,7 +251,7 @@ const PoseTrack::Step& PoseTrack::advance(int64_t time_ns, int64_t step_ns) {
   const int64_t tolerance = step_ns / 100, before = time_ns - step_ns;
   const Reading now = read(time_ns, tolerance, out_);
   const int64_t base_time = sample(now.base).time_ns;
-  const bool is_jump = std::abs(before - time_) > step_ns / 2 + tolerance;
+  const bool is_jump = std::abs(before - time_) > tolerance;
   const bool is_back = is_held_ && (is_fresh_ || base_time != base_time_);
   if (!is_first) {
     step_.is_cut = isCutSinceLastStep(now.base);

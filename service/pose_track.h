@@ -65,7 +65,7 @@ class PoseTrack {
   /// Takes a sample, whose sizes are those of the slots. At most 512 samples are kept, which is 0.25 s of
   /// waiting and as much of the past at 1 kHz.
   Arrival add(const PoseSample& sample);
-  /// Forgets all samples, but not what was shown: the sender's clock was set (PoseLock::lockIfDue).
+  /// Forgets all samples, but not what was shown: the sender's clock was set (PoseLock::beganTimeline).
   void forget() {
     size_ = 0;
     base_time_ = reach_ = kNever;
@@ -80,7 +80,8 @@ class PoseTrack {
     PoseSample shown;       ///< number, epoch and time of the newest sample that the step has reached
   };
   /// Takes the poses at `time_ns`, sender's clock, at the end of a step of `step_ns`. The steps' times may
-  /// jump; the poses then rejoin. Valid until the next call.
+  /// jump, by more than the phase of samples that PoseLock follows; the poses then rejoin. Valid until the
+  /// next call.
   const Step& advance(int64_t time_ns, int64_t step_ns);
 
   static constexpr int64_t kLongestInterval = 250'000'000;  ///< ns, between samples that are interpolated

@@ -727,6 +727,34 @@ TEST_F(LivePace, FollowsASenderThatBecomesSlower) {
   EXPECT_EQ(metrics().extrapolated, extrapolated) << "the pace waits for both samples";
 }
 
+TEST_F(LivePace, PosesAfterAReleaseAreAsGoodAsBefore) {
+  for (const bool is_paused : {false, true}) {
+    begin(30, 0, 0);  // every other step is between samples
+    for (int step = 0; step < 120; ++step) frame();
+    for (int step = 0; step < 30; ++step) ASSERT_TRUE(frame()) << "before";
+    const uint64_t extrapolated = metrics().extrapolated;
+    // The machine stands for 0.3 s; or messages are left alone for 5 s.
+    for (int i = 0; i < (is_paused ? 300 : 1); ++i) {
+      wait(is_paused ? 16'666'667 : 300'000'000);
+      if (is_paused) controlled_->poses.idle(nextEnd(), now_);
+    }
+    controlled_->poses.release();
+    int rejoined = 0;
+    for (int step = 0; step < 60; ++step) {
+      const bool is_right = frame();
+      rejoined += metrics().state == PoseState::kRejoining;
+      if (metrics().state == PoseState::kLive) {
+        ASSERT_TRUE(is_right) << (is_paused ? "after a pause, " : "after a stop, ") << step;
+      }
+    }
+    EXPECT_GE(rejoined, 1);
+    EXPECT_LE(rejoined, 4);
+    EXPECT_EQ(metrics().relocks, 1u);
+    EXPECT_EQ(metrics().extrapolated, extrapolated);
+    EXPECT_EQ(metrics().jumps, 1u) << "the first step";
+  }
+}
+
 TEST(LiveDaemon, FramesHaveThePosesOfTheirSteps) {
   PosedChannel channel;
   Sender sender{channel};

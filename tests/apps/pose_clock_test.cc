@@ -162,6 +162,43 @@ TEST_F(PoseLocks, KeepTheirDelayUntilAnArrivalAfterARelease) {
   EXPECT_EQ(now_ - lock_.timeOf(now_), delay - kNsPerSecond / 4);
 }
 
+TEST_F(PoseLocks, KeepTheTimelineOfASenderThatWentOnMeanwhile) {
+  steps(100);
+  EXPECT_TRUE(lock_.beganTimeline()) << "the first";
+  lock_.release();
+  steps(1);
+  EXPECT_EQ(locks_, 2);
+  EXPECT_FALSE(lock_.beganTimeline());
+  // The daemon's clock of steps stands for 10 s.
+  const int64_t end = now_;
+  for (int i = 0; i < 600; ++i) {
+    now_ += kInterval;
+    sender_ += kInterval;
+    EXPECT_TRUE(lock_.arrive(sender_, false, now_, end)) << i;
+    lock_.release();
+  }
+  EXPECT_TRUE(lock_.lockIfDue(end));
+  EXPECT_EQ(lock_.timeOf(end), sender_);
+  EXPECT_FALSE(lock_.beganTimeline());
+}
+
+TEST_F(PoseLocks, BeginATimelineWhereTheSendersClockWasSet) {
+  for (const int64_t change : {-3600 * kNsPerSecond, kNsPerSecond}) {
+    for (const bool is_released : {false, true}) {
+      steps(100);
+      sender_ += change;
+      if (is_released) lock_.release();
+      const int before = locks_;
+      for (int i = 0; i < 8 && locks_ == before; ++i) {
+        step();
+        EXPECT_FALSE(was_near_);
+      }
+      EXPECT_EQ(locks_, before + 1);
+      EXPECT_TRUE(lock_.beganTimeline());
+    }
+  }
+}
+
 TEST_F(PoseLocks, TakeAPhaseSlowlyOrWithinHalfAStepAtOnce) {
   steps(1);
   const int64_t time = lock_.timeOf(now_);

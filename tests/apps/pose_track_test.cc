@@ -276,6 +276,36 @@ TEST(PoseTrack, ADifferenceTooLargeToVanishIsACut) {
   }
 }
 
+TEST(PoseTrack, StepsWhoseTimesJumpRejoinAndThenAreAsWithoutTheJump) {
+  const int64_t period = 2 * kStep;
+  for (const int64_t jump : {-15 * kStep, -kStep / 3, kStep / 3, kStep, 120 * kStep}) {
+    PoseTrack track = trackOf(), straight = trackOf();
+    for (uint32_t i = 0; i < 160; ++i) {
+      track.add(sampleOf(i, i * period));
+      straight.add(sampleOf(i, i * period));
+    }
+    for (int step = 0; step < 100; ++step) track.advance(step * kStep, kStep);
+    Vec3 before = shaken(seconds(99 * kStep)).position;
+    int rejoining = 0;
+    for (int step = 100; step < 190; ++step) {
+      const int64_t time = step * kStep + jump;
+      const PoseTrack::Step &taken = track.advance(time, kStep), &expected = straight.advance(time, kStep);
+      ASSERT_FALSE(taken.is_cut);
+      rejoining += taken.state == PoseState::kRejoining;
+      EXPECT_EQ(taken.state == PoseState::kRejoining, rejoining == step - 99) << "once, from the jump on";
+      if (taken.state == PoseState::kLive) {
+        ASSERT_TRUE(areEqual(taken.shown, expected.shown)) << jump << ' ' << step;
+      }
+      // The motion's own 21 mm in a step, and 1.9 times the offset's mean speed of 2 m/s.
+      ASSERT_LT((placeOf(taken) - before).norm(), 0.021f + 1.9f * 2 * 0.0167f) << jump << ' ' << step;
+      before = placeOf(taken);
+    }
+    EXPECT_GE(rejoining, 1) << jump;
+    EXPECT_LE(rejoining, 15) << jump;
+    EXPECT_EQ(track.add(sampleOf(1000, 150 * kStep + jump + 1)), PoseTrack::Arrival::kLate);
+  }
+}
+
 TEST(PoseTrack, ASetClockLeavesItsPosesBehindAndRejoins) {
   PoseTrack track = trackOf();
   for (uint32_t i = 0; i < 60; ++i) track.add(sampleOf(i, 3600 * kNsPerSecond + i * kStep));
