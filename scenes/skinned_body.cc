@@ -125,6 +125,8 @@ SkinnedBody::SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion)
     const int parent = skin_.skeleton.joints[j].parent;
     below_.push_back(j == joint_ || (parent >= 0 && below_[static_cast<size_t>(parent)]));
   }
+  for (int j = static_cast<int>(joint_); j >= 0; j = skin_.skeleton.joints[carriers_.back()].parent)
+    carriers_.push_back(static_cast<size_t>(j));
   first_ = last_ = rest_locals_;
   clip_.pose(0, first_);
   clip_.pose(clip_.duration, last_);

@@ -37,6 +37,8 @@ class SkinnedBody {
   const SkinnedMesh& skin() const { return skin_; }
   const std::vector<SkinPart>& parts() const { return parts_; }
   const std::string& joint() const { return nameOf(joint_); }
+  /// Joints whose motion carries the hair: the joint on which it grows, then its ancestors, nearest first.
+  const std::vector<size_t>& carriers() const { return carriers_; }
   Vec3 pivot() const;                                 ///< m, position of the joint at rest
   double duration() const { return clip_.duration; }  ///< s, of the clip; 0 without one
   bool hasClip() const { return !clip_.isStill(); }
@@ -119,7 +121,8 @@ class SkinnedBody {
   SkinnedMesh skin_;
   SkeletonClip clip_;
   size_t joint_ = 0;
-  std::vector<bool> below_;  ///< per joint: it is the joint or a descendant
+  std::vector<bool> below_;       ///< per joint: it is the joint or a descendant
+  std::vector<size_t> carriers_;  ///< joint_ and its ancestors
   std::vector<Placement> rest_;
   std::vector<JointTransform> rest_locals_, first_, last_;  ///< at rest, and at both ends of the clip
   SurfaceRepair repair_;

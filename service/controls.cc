@@ -73,12 +73,11 @@ void HeadMotionControl::set(HeadControl control) {
 }
 
 void HeadMotionControl::poseJoint(size_t joint, const Placement& motion) {
-  const Skeleton& skeleton = skinned_->skin().skeleton;
-  palette_.resize(skeleton.joints.size());
+  palette_.resize(skinned_->skin().skeleton.joints.size());
   palette_[joint] = motion;
-  for (int above = skeleton.find(skinned_->joint()); above >= 0;
-       above = skeleton.joints[static_cast<size_t>(above)].parent)
-    joints_carry_hair_ = joints_carry_hair_ || static_cast<size_t>(above) == joint;
+  const std::vector<size_t>& carriers = skinned_->carriers();
+  joints_carry_hair_ =
+      joints_carry_hair_ || std::find(carriers.begin(), carriers.end(), joint) != carriers.end();
 }
 
 void HeadMotionControl::weigh(size_t target, float weight) {

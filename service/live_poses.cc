@@ -108,12 +108,9 @@ std::optional<size_t> PoseTargets::carrier(const std::vector<Target>& targets) c
       if (targets[i].kind == kind && targets[i].index == index) return i;
     return std::nullopt;
   };
-  if (skinned_) {
-    const Skeleton& skeleton = skinned_->skin().skeleton;
-    for (int joint = skeleton.find(skinned_->joint()); joint >= 0;
-         joint = skeleton.joints[static_cast<size_t>(joint)].parent)
-      if (const auto found = indexOf(PosedKind::kJoint, static_cast<size_t>(joint))) return found;
-  }
+  if (skinned_)
+    for (const size_t joint : skinned_->carriers())
+      if (const auto found = indexOf(PosedKind::kJoint, joint)) return found;
   return indexOf(PosedKind::kHead, 0);
 }
 

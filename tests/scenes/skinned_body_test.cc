@@ -229,6 +229,17 @@ TEST(SkinnedBody, JointsWithoutAMotionFollowTheirNearestAncestorThatHasOne) {
   EXPECT_LT(worstBetween(body.skin().blended(still.joints), body.skin().mesh.positions), 1e-6);
 }
 
+TEST(SkinnedBody, ItsHairIsCarriedByItsJointAndTheAncestors) {
+  samples::ArmOptions options;
+  options.joints = {"hips", "spine", "neck", "head", "hat"};
+  const SkinnedBody body = arm({}, options);
+  std::vector<std::string> names;
+  for (const size_t joint : body.carriers()) names.push_back(body.skin().skeleton.joints[joint].name);
+  ASSERT_GE(names.size(), 4u) << "and the nodes above the skeleton";
+  names.resize(4);
+  EXPECT_EQ(names, (std::vector<std::string>{"head", "neck", "spine", "hips"}));
+}
+
 TEST(SkinnedBody, APaletteGivesTheSkinOfTheClip) {
   const samples::ArmOptions options = swellingArm();
   const Pose head = proceduralMotion("nod", Vec3(0, 0.25f, 0))(0.3);
