@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/srgb.h"
 #include "service/colliders.h"
 #include "service/frame_pacer.h"
 #include "transport/commands.h"
@@ -22,18 +23,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-uint8_t srgbOf(float linear) {
-  const float clamped = std::clamp(linear, 0.0f, 1.0f);
-  const float srgb = clamped <= 0.0031308f ? 12.92f * clamped
-                                           : 1.055f * std::pow(clamped, 1 / 2.4f) - 0.055f;  // IEC 61966-2-1
-  return static_cast<uint8_t>(std::lround(255 * srgb));
+uint8_t storedOf(float linear) {
+  return static_cast<uint8_t>(std::lround(255 * srgbOf(std::clamp(linear, 0.0f, 1.0f))));
 }
 
 /// The channel sets groom, session and revision.
 HairDescription described(SceneHairs hairs) {
   HairDescription out;
   for (const Vec3& colour : hairs.strands.colours)
-    out.colours.push_back({srgbOf(colour.x()), srgbOf(colour.y()), srgbOf(colour.z())});
+    out.colours.push_back({storedOf(colour.x()), storedOf(colour.y()), storedOf(colour.z())});
   hairs.strands.colours.clear();
   out.ids = std::exchange(hairs.strands.ids, {});
   out.hairs = std::move(hairs.strands);

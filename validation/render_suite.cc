@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/srgb.h"
 #include "gl/context.h"
 #include "render/renderer.h"
 #include "render/shader_validation.h"
@@ -403,10 +404,7 @@ struct DetailError {
   double area = 0;    ///< of the area covered, relative
 };
 
-double linearGreen(const Image& image, size_t pixel) {
-  const double s = image.rgb[3 * pixel + 1] / 255.0;
-  return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-}
+double linearGreen(const Image& image, size_t pixel) { return linearOf(image.rgb[3 * pixel + 1] / 255.0); }
 
 /// Pictures of a head from one distance.
 class DetailPictures {

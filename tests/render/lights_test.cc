@@ -1,6 +1,7 @@
 // Several lights at once: pictures with all of them against the sum of pictures with one each.
 #include <array>
 
+#include "core/srgb.h"
 #include "lamp.h"
 #include "offscreen.h"
 #include "render/shader_validation.h"
@@ -12,8 +13,6 @@ namespace {
 struct Between {
   double low, high;
 };
-
-double linearOf(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
 
 /// Radiance before the tone mapping 1 - exp(-x). Tolerates an sRGB conversion error of a tenth of a step.
 Between radianceOf(uint8_t byte) {

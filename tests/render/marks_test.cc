@@ -1,6 +1,7 @@
 // Marks of vertices in bodies, checked by distances and projection on the CPU.
 #include <algorithm>
 
+#include "core/srgb.h"
 #include "offscreen.h"
 #include "render/shader_validation.h"
 
@@ -55,8 +56,7 @@ class Marked : public OffscreenTest {
                 .rgb[3 * (static_cast<size_t>(y) * kSize + static_cast<size_t>(x)) + static_cast<size_t>(c)] /
             255.0;
         const double wanted = static_cast<double>(color[c]);
-        const double srgb = wanted <= 0.0031308 ? 12.92 * wanted : 1.055 * std::pow(wanted, 1 / 2.4) - 0.055;
-        if (std::abs(stored - srgb) > 0.02) return false;
+        if (std::abs(stored - srgbOf(wanted)) > 0.02) return false;
       }
       return true;
     };

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "core/srgb.h"
 #include "gl/context.h"
 #include "render/renderer.h"
 
@@ -33,8 +34,7 @@ class OffscreenTest : public ::testing::Test {
 
 /// Linear value, 0 to 1, of one channel of a pixel.
 inline double linearValue(const Image& image, int x, int y, int channel) {
-  const double s = image.rgb[3 * (static_cast<size_t>(y) * image.width + x) + channel] / 255.0;
-  return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  return linearOf(image.rgb[3 * (static_cast<size_t>(y) * image.width + x) + channel] / 255.0);
 }
 
 inline GuideFrame restFrame(const GroomDescription& groom) {
