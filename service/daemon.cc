@@ -163,6 +163,7 @@ void Daemon::publishStatus() {
   report_.setPoses(controlled_.poses.metrics(static_cast<int64_t>(steadyTime())));
   const ReaderSummary readers = publisher_.readers();
   report_.metrics().rate = settings_.rate;
+  report_.metrics().budget_ms = budget_ ? budget_->budget() : 0;
   report_.metrics().largest_pixels = readers.largest_pixels;
   report_.metrics().readers_lost = static_cast<double>(readers.frames_lost);
   report_.measure();

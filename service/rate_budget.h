@@ -40,6 +40,7 @@ class RateBudget {
   /// A frame took `cost_ms` and was late or not. Returns the factor of the next intervals, at least 1. No
   /// interval gets longer than kLongestInterval, so that commands and statuses go on.
   double addFrame(double cost_ms, bool is_late, Clock::time_point now);
+  double budget() const { return budget_ms_; }  ///< ms of a frame
   /// Mean of the last kFrames frames, ms; 0 before the first.
   double cost() const;
 

@@ -36,6 +36,8 @@ struct Metrics {
   double pose_latency_ms_p50 = 0;
   double pose_latency_ms_p99 = 0;
   double pose_clock_ms = 0;
+
+  double budget_ms = 0;  ///< of a character of a stage (RateBudget of service/rate_budget.h)
 };
 
 /// A metric as it is named on the wire.
@@ -45,6 +47,7 @@ struct MetricInfo {
   bool is_counter;  ///< counts from the daemon's start; else a present value
   const char* help;
   double Metrics::*value;
+  const char* label = "";  ///< in the summary of a daemon that ends; empty: it is left out there
 };
 /// All metrics, in the order of the wire. A new one is listed here and is then in every status; docs/wire.md
 /// has the same list.

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <map>
+#include <string>
 #include <thread>
 
 #include "core/error.h"
@@ -13,6 +15,7 @@
 #include "service/recorded_air.h"
 #include "service/replay.h"
 #include "service/stage.h"
+#include "transport/metrics.h"
 #include "transport/recording/record_file.h"
 
 using namespace strandcast;
@@ -43,17 +46,16 @@ void add(const DaemonSummary& summary, Report& out) {
     out.add("codec_worst_error_mm", "worst error of the codec", 1e3 * s.encoding.worst_error, "mm", 4);
     out.addCount("strands_sent_finer", "strands sent finer", s.encoding.strands_sent_finer);
   }
-  if (const PoseMetrics& poses = summary.poses; poses.samples > 0) {
-    out.addCount("pose_samples", "samples of live poses", poses.samples);
-    out.addCount("pose_late", "of them late", poses.late);
-    out.addCount("pose_lost", "lost", poses.lost);
-    out.addCount("pose_jumps", "jumps of live poses", poses.jumps);
-    out.addCount("pose_relocks", "clocks of live poses set", poses.relocks);
-    out.addCount("pose_interpolated", "steps between samples", poses.interpolated);
-    out.addCount("pose_extrapolated", "steps after the last sample", poses.extrapolated);
-    out.addCount("pose_rested", "steps at rest after it", poses.rested);
-    out.add("pose_latency_ms_p50", "latency of live poses, median", poses.latency_ms_p50, "ms", 2);
-    out.add("pose_latency_ms_p99", "latency of live poses, 99th percentile", poses.latency_ms_p99, "ms", 2);
+  const std::map<std::string, double> metrics = namedValues(s.metrics);
+  if (const auto samples = metrics.find("pose_samples"); samples == metrics.end() || samples->second == 0)
+    return;
+  for (const MetricInfo& info : metricList()) {
+    if (*info.label == '\0') continue;
+    const double value = metrics.at(info.name);
+    if (info.is_counter)
+      out.addCount(info.name, info.label, static_cast<uint64_t>(value));
+    else
+      out.add(info.name, info.label, value, info.unit, 2);
   }
 }
 

@@ -18,6 +18,7 @@
 #include "tests/expect_error.h"
 #include "tests/thorough.h"
 #include "transport/in_process.h"
+#include "transport/metrics.h"
 #include "transport/recording/recording.h"
 
 namespace strandcast {
@@ -76,6 +77,7 @@ class StageTest : public ::testing::Test {
       const RecordingSource& source = [](uint32_t, const std::string&, const std::string&) {
         return std::string();
       }) {
+    stop_ = false;
     shareMachine(characters, 2);
     stage_.emplace(std::move(characters), source, [this](const Settings& settings, uint64_t) {
       auto [publisher, subscriber] = makeInProcessChannel(settings.groom_id);
@@ -236,6 +238,25 @@ TEST_F(StageTest, ARecordedCharacterIsSimulatedAgainAlone) {
     EXPECT_GE(report.frames, 20u) << name;
     EXPECT_EQ(report.different, 0u) << name;
   }
+}
+
+TEST_F(StageTest, StatusesNameTheBudgetOfACharacter) {
+  std::vector<CharacterSettings> two = {character(1), character(2)};
+  two[1].budget_ms = 7;
+  start(two);
+  for (const uint32_t groom_id : {1, 2}) ASSERT_TRUE(waitForFrames(groom_id, 3));
+  const std::vector<CharacterEnding> endings = end();
+  ASSERT_EQ(endings.size(), 2u);
+  for (const CharacterEnding& ending : endings) {
+    ASSERT_TRUE(ending.summary);
+    const double budget = namedValues(ending.summary->status.metrics).at("budget_ms");
+    EXPECT_DOUBLE_EQ(budget, ending.groom_id == 2 ? 7 : 10) << "an equal share of two processors at 100 Hz";
+  }
+  start({character(3)});
+  ASSERT_TRUE(waitForFrames(3, 3));
+  const std::vector<CharacterEnding> alone = end();
+  ASSERT_TRUE(alone.at(0).summary);
+  EXPECT_EQ(namedValues(alone[0].summary->status.metrics).at("budget_ms"), 0);
 }
 
 TEST(Characters, OptionsHoldForAllAndWhatWouldBeOnesAloneIsRefused) {
