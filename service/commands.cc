@@ -70,6 +70,11 @@ Pose commandedPose(const std::vector<double>& values, size_t first, const std::s
   return {Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()), rotation.normalized()};
 }
 
+void appendPose(std::vector<double>& values, const Pose& pose) {
+  for (int c = 0; c < 3; ++c) values.push_back(static_cast<double>(pose.position[c]));
+  for (int c = 0; c < 4; ++c) values.push_back(static_cast<double>(pose.rotation.coeffs()[c]));
+}
+
 Pose poseBetween(const Pose& from, const Pose& to, double seconds, double of) {
   return interpolate(from, to, static_cast<float>(easedFraction(seconds, of)));
 }

@@ -22,6 +22,8 @@ std::string commandText(const Command& command);
 /// x y z w (length 0.5 to 1.5, then normalised). Precondition: values has first + 7 elements. Throws Error,
 /// naming `where`.
 Pose commandedPose(const std::vector<double>& values, size_t first, const std::string& where);
+/// Appends the seven values of a pose.
+void appendPose(std::vector<double>& values, const Pose& pose);
 
 /// The pose after `seconds` of a motion by command from one pose to another over `of` seconds, then still.
 /// Velocity is continuous.

@@ -68,31 +68,32 @@ void HeadMotionControl::play(const Command& command) {
 void HeadMotionControl::set(HeadControl control) {
   motion_ = motionOf(control, scene_motion_, pivot_);
   control_ = std::move(control);
-  posed_head_.reset();
-  joints_carry_hair_ = false;
+  posed_.head.reset();
+  posed_.joints_carry_hair = false;
 }
 
 void HeadMotionControl::poseJoint(size_t joint, const Placement& motion) {
-  palette_.resize(skinned_->skin().skeleton.joints.size());
-  palette_[joint] = motion;
+  posed_.joints.resize(skinned_->skin().skeleton.joints.size());
+  posed_.joints[joint] = motion;
   const std::vector<size_t>& carriers = skinned_->carriers();
-  joints_carry_hair_ =
-      joints_carry_hair_ || std::find(carriers.begin(), carriers.end(), joint) != carriers.end();
+  if (std::find(carriers.begin(), carriers.end(), joint) != carriers.end()) posed_.joints_carry_hair = true;
 }
 
 void HeadMotionControl::weigh(size_t target, float weight) {
-  if (weights_.empty()) weights_ = skinned_->skin().restWeights();
-  weights_[target] = weight;
+  if (posed_.weights.empty()) posed_.weights = skinned_->skin().restWeights();
+  posed_.weights[target] = weight;
 }
 
 SkinnedBody::Moment HeadMotionControl::momentAt(double time, const Pose& head) const {
-  if (!palette_.empty()) return skinned_->fromPalette(palette_, weights_, head);
-  return skinned_->at(time, head, weights_);
+  if (!posed_.joints.empty()) return skinned_->fromPalette(posed_.joints, posed_.weights, head);
+  return skinned_->at(time, head, posed_.weights);
 }
 
 void HeadMotionControl::advance(double time) {
-  const Pose head = joints_carry_hair_ ? Pose{} : posed_head_ ? *posed_head_ : motion_(time - control_.start);
-  if (palette_.empty() && weights_.empty())
+  const Pose head = posed_.joints_carry_hair ? Pose{}
+                    : posed_.head            ? *posed_.head
+                                             : motion_(time - control_.start);
+  if (posed_.joints.empty() && posed_.weights.empty())
     return strandcast::moveTo(skinned_.get(), time, head, simulation_);
   // A palette may put parts of the body out of range; what it did not reach then stays where it is.
   const std::string why = errorTextOf([&] { place(*skinned_, momentAt(time, head), head, simulation_); });
@@ -100,11 +101,11 @@ void HeadMotionControl::advance(double time) {
 }
 
 Pose HeadMotionControl::motionPose() const {
-  if (posed_head_ && !joints_carry_hair_) return *posed_head_;
+  if (posed_.head && !posed_.joints_carry_hair) return *posed_.head;
   const double time = simulation_.time();
-  const Pose carried = !skinned_          ? Pose{}
-                       : palette_.empty() ? skinned_->carried(time)
-                                          : momentAt(time, {}).carried;
+  const Pose carried = !skinned_               ? Pose{}
+                       : posed_.joints.empty() ? skinned_->carried(time)
+                                               : momentAt(time, {}).carried;
   return carried.inverse() * simulation_.headPose();
 }
 

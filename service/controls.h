@@ -66,17 +66,27 @@ class HeadMotionControl {
 
   // Poses by live sources (LivePoses), in place of the motion and of the body's clip. They stay until set().
   // The indices are those of the skinned body.
-  void poseHead(const Pose& head) { posed_head_ = head; }
+  void poseHead(const Pose& head) { posed_.head = head; }
   /// Joints without a motion follow their ancestors: SkinnedBody::fromPalette(). Where the joint carries the
   /// hair, no motion of the head is added.
   void poseJoint(size_t joint, const Placement& motion);
   void releaseJoints() {
-    palette_.clear();
-    joints_carry_hair_ = false;
+    posed_.joints.clear();
+    posed_.joints_carry_hair = false;
   }
   /// Targets without a weight are as at rest.
   void weigh(size_t target, float weight);
-  void releaseWeights() { weights_.clear(); }
+  void releaseWeights() { posed_.weights.clear(); }
+  /// What these poses have set and is in force.
+  struct Posed {
+    std::optional<Pose> head;
+    std::vector<std::optional<Placement>> joints;  ///< per joint, or empty: the clip's
+    bool joints_carry_hair = false;                ///< they have the whole motion of the head
+    std::vector<float> weights;                    ///< per morph target, or empty: the clip's
+  };
+  const Posed& posed() const { return posed_; }
+  /// Says in place of poseJoint() whether the joints carry the hair: set() has ended that, or has not.
+  void carryHairByJoints(bool is_carried) { posed_.joints_carry_hair = is_carried; }
 
   /// Sets the poses of head, roots and parts of the body for `time`, s of simulation: the end of the next
   /// step.
@@ -90,10 +100,7 @@ class HeadMotionControl {
 
   HeadMotion scene_motion_, motion_;
   HeadControl control_;  ///< the source of motion_
-  std::optional<Pose> posed_head_;
-  std::vector<std::optional<Placement>> palette_;  ///< per joint, or empty: the clip's
-  bool joints_carry_hair_ = false;                 ///< the palette has the whole motion of the head
-  std::vector<float> weights_;                     ///< per morph target, or empty: the clip's
+  Posed posed_;
   bool has_warned_ = false;
   Vec3 pivot_;
   std::shared_ptr<const SkinnedBody> skinned_;

@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/error.h"
 #include "core/quantile.h"
+#include "service/commands.h"
 #include "service/controls.h"
+#include "transport/chunks.h"
 #include "transport/frame_queue.h"
 #include "transport/parameter_table.h"
 
@@ -38,6 +41,11 @@ Vec3 scaleAt(const std::vector<float>& numbers, size_t index) {
   return Vec3(numbers[3 * index], numbers[3 * index + 1], numbers[3 * index + 2]);
 }
 
+Pose heldPose(const std::vector<double>& v) {
+  return {Vec3(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()),
+          Quat(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>())};
+}
+
 void appendName(std::string& names, const std::string& name) {
   if (!names.empty()) names += ' ';
   names += name;
@@ -61,12 +69,14 @@ PoseTargets::PoseTargets(const Scene& scene, Simulation& simulation, HeadMotionC
       skinned_(scene.skinned),
       head_pivot_(scene.head_pivot) {}
 
+/// The skin moves those before it but the head's.
+size_t PoseTargets::firstPinned() const {
+  return 1 + (skinned_ && skinned_->roots() ? skinned_->roots()->bones() : 0);
+}
+
 PoseTargets::Target PoseTargets::find(const PosedName& name) const {
   const std::vector<std::string>& bones = simulation_.model().bones;
-  const auto pinned =
-      bones.begin() + 1 +
-      static_cast<ptrdiff_t>(skinned_ && skinned_->roots() ? skinned_->roots()->bones()
-                                                           : 0);  // the skin moves those before
+  const auto pinned = bones.begin() + static_cast<ptrdiff_t>(firstPinned());
   switch (name.kind) {
     case PosedKind::kHead:
       return {name.kind, 0, {}, head_pivot_};
@@ -151,6 +161,75 @@ void PoseTargets::apply(const PoseSamples& poses) {
     if (weights_[i]) head_.weigh(*weights_[i], poses.weights[i]);
 }
 
+std::vector<PoseTargets::Held> PoseTargets::held() const {
+  std::vector<Held> held;
+  const HeadMotionControl::Posed& posed = head_.posed();
+  const auto add = [&](const std::string& name, const Pose& pose) {
+    held.push_back({name, {}});
+    appendPose(held.back().values, pose);
+  };
+  if (posed.head) add("head", *posed.head);
+  for (size_t j = 0; j < posed.joints.size(); ++j) {
+    if (!posed.joints[j]) continue;
+    Held joint{"joint:" + withoutSpaces(skinned_->skin().skeleton.joints[j].name), {}};
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column) joint.values.push_back((*posed.joints[j])(row, column));
+    joint.values.push_back(posed.joints_carry_hair ? 1 : 0);
+    held.push_back(std::move(joint));
+  }
+  for (size_t t = 0; t < posed.weights.size(); ++t)
+    held.push_back({"weight:" + withoutSpaces(skinned_->skin().targets[t].name), {double{posed.weights[t]}}});
+  for (size_t bone = firstPinned(); bone < simulation_.model().bones.size(); ++bone) {
+    const Pose& pose = simulation_.bonePose(bone);
+    if (pose.position != Vec3::Zero() || pose.rotation.coeffs() != Quat::Identity().coeffs())
+      add("bone:" + withoutSpaces(simulation_.model().bones[bone]), pose);
+  }
+  std::erase_if(held, [](const Held& thing) { return !isSoundName(thing.name); });  // of a file
+  return held;
+}
+
+void PoseTargets::restore(const Held& held, const std::string& where) {
+  const std::vector<double>& v = held.values;
+  const auto check = [&](bool is_right) {
+    if (!is_right)
+      throw Error("the pose of '" + held.name + "' is out of range", where,
+                  "is the publishing daemon of another version?");
+  };
+  if (const std::string prefix = "weight:"; held.name.starts_with(prefix)) {
+    check(v.size() == 1 &&
+          std::fabs(v[0]) <= double{std::numeric_limits<float>::max()});  // a file's, at rest
+    if (const auto target = findWeight(withSpaces(held.name.substr(prefix.size()))))
+      head_.weigh(*target, static_cast<float>(v[0]));
+    return;
+  }
+  PoseSamples named;
+  named.names = held.name;
+  const std::vector<PosedName> names = posedNames(named);
+  check(names.size() == 1);
+  const Target target = find(names[0]);
+  if (names[0].kind != PosedKind::kJoint) {
+    check(v.size() == 7);
+    const Pose pose = heldPose(v);
+    check(pose.position.cwiseAbs().maxCoeff() <= kFarthestPosed &&
+          std::fabs(pose.rotation.norm() - 1) < 1e-4f);
+    if (target.kind == PosedKind::kHead) head_.poseHead(pose);
+    if (target.kind == PosedKind::kBone) simulation_.setBonePose(target.index, pose);
+    return;
+  }
+  check(v.size() == 13);
+  Placement motion = Placement::Identity();
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) motion(row, column) = v[static_cast<size_t>(4 * row + column)];
+  constexpr double kFarthest = 1e6;
+  // Of the least scales on all axes; without one the motion cannot be inverted.
+  constexpr double kLeastVolume = 0.5 * double{kLeastScale} * double{kLeastScale} * double{kLeastScale};
+  check(motion.affine().cwiseAbs().maxCoeff() <= kFarthest &&
+        std::fabs(motion.linear().determinant()) >= kLeastVolume);
+  if (target.kind != PosedKind::kJoint) return;
+  head_.poseJoint(target.index, motion);
+  head_.carryHairByJoints(v[12] != 0);
+}
+
 /// A sender of poses.
 struct LivePoses::Source {
   /// Something that a sample moves and the simulation has.
@@ -196,10 +275,11 @@ struct LivePoses::Source {
            std::any_of(weights.begin(), weights.end(), isOwned);
   }
   bool movesHair() const { return carrier && slots[*carrier].is_owned; }
-  /// By how much the first step after a lock is before the newest sample, ns: one period where the sender is
-  /// slower than the steps. So both samples around the next steps are there, and the pace has nothing to
-  /// catch up. PoseLock::followPhase keeps up with a sender that is slower by 0.5 %: its samples all fall on
-  /// steps.
+  /// By how much the first step after a lock is before the newest sample, ns:
+  /// one period where the sender is slower than the steps. So both samples
+  /// around the next steps are there, and the pace has nothing to catch up.
+  /// PoseLock::followPhase keeps up with a sender that is slower by 0.5 %: its
+  /// samples all fall on steps.
   int64_t hold(int64_t step_ns, int64_t longest) const {
     const bool is_slower = period > step_ns + step_ns / 200 && period <= PoseTrack::kLongestInterval;
     return is_slower ? std::min(period, longest) : 0;
@@ -289,7 +369,8 @@ bool LivePoses::adoptNames(Source& source, const PoseSamples& message) {
           missing.size() > 8 ? ", ..." : "",
           targets_.hasSkin() || missing[0].substr(0, 6) != "joint:"
               ? ""
-              : "; joints are those of a skinned body: give --body-joint or --body-clip");
+              : "; joints are those of a skinned body: give "
+                "--body-joint or --body-clip");
   }
   if (posesPerSample(message) != source.posed || weightsPerSample(message) != source.weighed) return false;
   if (source.track && source.has_scales == !message.scales.empty()) return true;
@@ -398,8 +479,10 @@ void LivePoses::assign(int64_t now) {
         if (slot.is_owned) continue;
         source->is_refused = true;
         if (!std::exchange(source->has_told_refusal, true))
-          spdlog::warn("{} names {}, which live source {:016x} moves until that has been silent for 0.5 s",
-                       source->name(), slot.key, owner);
+          spdlog::warn(
+              "{} names {}, which live source {:016x} moves until "
+              "that has been silent for 0.5 s",
+              source->name(), slot.key, owner);
       }
     }
     if (!source->movesHair()) continue;
@@ -438,7 +521,8 @@ bool LivePoses::take(Source& source, int64_t end_ns, int64_t step_ns) {
   if (source.taken->state == PoseState::kNone) return false;
   const int64_t age = time() - source.taken->shown.time_ns;
   if (source.taken->is_exact) source.lock.followPhase(age, step_ns);
-  // Without the next sample a step is between samples where that is not yet due.
+  // Without the next sample a step is between samples where that is not yet
+  // due.
   if (source.taken->state == PoseState::kLive || source.taken->state == PoseState::kRejoining ||
       age < source.period - step_ns / 100)
     source.exact_steps = source.exact_steps << 1 | (source.taken->is_exact ? 1 : 0);
@@ -553,6 +637,16 @@ void LivePoses::adopt(const Delay& delay) {
       source->lock.adopt(delay.ns);
       source->awaits_period = false;
     }
+}
+
+std::vector<PoseTargets::Held> LivePoses::held() const {
+  std::vector<PoseTargets::Held> held = targets_.held();
+  std::erase_if(held, [&](const PoseTargets::Held& thing) { return owners_.contains(thing.name); });
+  return held;
+}
+
+void LivePoses::restore(const PoseTargets::Held& held, const std::string& where) {
+  if (!owners_.contains(held.name)) targets_.restore(held, where);
 }
 
 void LivePoses::release() {

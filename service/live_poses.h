@@ -48,8 +48,23 @@ class PoseTargets {
   /// other poses or commands move it; joints and weights until others are named.
   void apply(const PoseSamples& poses);
 
+  /// Something that apply() has set and that stays. `name`: as in a message, or `weight:NAME`.
+  struct Held {
+    std::string name;
+    /// Head and bones: position (m), rotation x y z w. Joints: the first three rows of the matrix of their
+    /// motion from rest, and 1 where joints carry the hair, else 0. Weights: one number.
+    std::vector<double> values;
+  };
+  /// All but bodies, which are colliders.
+  std::vector<Held> held() const;
+  /// Sets it. What the simulation does not have is left out. Throws Error, naming `where`, on values that are
+  /// out of range, and changes nothing.
+  void restore(const Held& held, const std::string& where);
+
  private:
   void resolve(const PoseSamples& poses);
+  /// Index of the first bone of the model that pins have.
+  size_t firstPinned() const;
 
   Simulation& simulation_;
   HeadMotionControl& head_;
@@ -119,6 +134,10 @@ class LivePoses {
   /// Takes the delay of the daemon that casts, so that a standby's steps take the same samples. Nothing
   /// happens where the source is not heard here.
   void adopt(const Delay& delay);
+  /// What sources have left that are no longer heard. Bodies are left out: they are colliders.
+  std::vector<PoseTargets::Held> held() const;
+  /// Takes that of another daemon, but for what a source moves here. Throws Error, naming `where`.
+  void restore(const PoseTargets::Held& held, const std::string& where);
   /// In place of messages, the poses of a recording: those for a step, by Simulation::steps() before it.
   using Recorded = std::function<std::optional<StepPoses>(uint64_t step)>;
   void setRecorded(Recorded recorded) { recorded_ = std::move(recorded); }

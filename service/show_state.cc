@@ -22,11 +22,6 @@ namespace {
 constexpr double kMaxBehind = 1;  // s; a daemon farther from the show's time jumps to it
 constexpr size_t kPoseValues = 7, kPoseOfCommand = 2;
 
-void addPose(std::vector<double>& values, const Pose& pose) {
-  for (int c = 0; c < 3; ++c) values.push_back(static_cast<double>(pose.position[c]));
-  for (int c = 0; c < 4; ++c) values.push_back(static_cast<double>(pose.rotation.coeffs()[c]));
-}
-
 void addSource(std::vector<double>& values, const WindSource& source) {
   const std::vector<double> numbers = windSourceValues(source);
   values.insert(values.end(), numbers.begin(), numbers.end());
@@ -83,8 +78,8 @@ HeadControl headControlOf(const ShowEntry& entry, const std::string& where) {
 
 ShowEntry entryOf(const HeadControl& control) {
   ShowEntry entry{ShowKind::kHead, control.name, {static_cast<double>(control.kind), control.start}};
-  addPose(entry.values, control.from);
-  addPose(entry.values, control.to);
+  appendPose(entry.values, control.from);
+  appendPose(entry.values, control.to);
   return entry;
 }
 
@@ -153,17 +148,17 @@ void ShowColliders::addEntries(std::vector<ShowEntry>& entries) const {
       entry.name = command.name;
       entry.values = command.values;
       std::vector<double> now;
-      addPose(now, simulation_.bodyPose(collider.body));
+      appendPose(now, simulation_.bodyPose(collider.body));
       if (free) std::copy(now.begin(), now.end(), entry.values.begin() + kPoseOfCommand);
     } else if (registry_.standsFree(collider)) {
-      addPose(entry.values, simulation_.bodyPose(collider.body));
+      appendPose(entry.values, simulation_.bodyPose(collider.body));
     }
     entries.push_back(std::move(entry));
     if (collider.mesh_hash) entries.push_back(meshEntry(name, *collider.mesh_hash));
     if (!collider.tween) continue;
     ShowEntry moves{ShowKind::kColliderMotion, name, {collider.tween->start, collider.tween->seconds}};
-    addPose(moves.values, collider.tween->from);
-    addPose(moves.values, collider.tween->to);
+    appendPose(moves.values, collider.tween->from);
+    appendPose(moves.values, collider.tween->to);
     entries.push_back(std::move(moves));
   }
 }
@@ -288,6 +283,8 @@ Show ShowState::make(bool with_hair) {
   colliders_.addEntries(show.entries);
   show.entries.push_back(entryOf(controlled_.head.control()));
   for (const LivePoses::Delay& delay : controlled_.poses.delays()) show.entries.push_back(entryOf(delay));
+  for (PoseTargets::Held& held : controlled_.poses.held())
+    show.entries.push_back({ShowKind::kHeldPose, std::move(held.name), std::move(held.values)});
   if (controlled_.steps.isPaused()) show.entries.push_back({ShowKind::kPaused, "", {}});
   for (const StepSchedule::Request& steps : controlled_.steps.requests())
     show.entries.push_back(
@@ -363,6 +360,8 @@ double ShowState::restoreFrom(const Show& show) {
     simulation.setParameters(parameters);
   controlled_.wind.restoreFrom(std::move(sources), std::move(wind_tweens), where);
   if (!(control == controlled_.head.control())) controlled_.head.set(control);
+  for (const ShowEntry& entry : show.entries)
+    if (entry.kind == ShowKind::kHeldPose) controlled_.poses.restore({entry.name, entry.values}, where);
   colliders_.apply(show);
   const bool is_new = session_ != show.session;
   double behind = 0;

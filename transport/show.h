@@ -30,9 +30,10 @@ enum class ShowKind : uint32_t {
   kPull = 11,
   kResets = 12,
   kAnswered = 13,
-  kPoseSource = 14
+  kPoseSource = 14,
+  kHeldPose = 15
 };
-inline constexpr uint32_t kShowKinds = 15;
+inline constexpr uint32_t kShowKinds = 16;
 
 /// The present state of one thing that commands steer.
 struct ShowEntry {

@@ -20,6 +20,7 @@
 #include "service/show_state.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/scenes/furry_arm.h"
+#include "transport/commands.h"
 #include "transport/frame_queue.h"
 #include "transport/recording/recorder.h"
 
@@ -593,6 +594,87 @@ TEST_F(LivePosesTest, AStandbyTakesTheSamplesOfTheDaemonThatCasts) {
   ASSERT_EQ(channel.recorded.size(), channel_.recorded.size());
   for (size_t step = 31; step < channel.recorded.size(); ++step)
     EXPECT_EQ(channel.recorded[step].poses.time, channel_.recorded[step].poses.time) << step;
+}
+
+/// Takes over from a daemon whose sources are silent, by a show with hair. Both then go on alone.
+void expectSameAfterTakeOver(const Settings& settings, const Scene& scene, ControlledSimulation& caster,
+                             StatusReport& report) {
+  PosedChannel channel;
+  ControlledSimulation standby(settings, scene, channel, 6);
+  StatusReport standby_report(1, 6, "test", standby.simulation);
+  ShowState show(settings, {}, caster, report), standby_show(settings, {}, standby, standby_report);
+  const std::optional<Show> sent = showOf(showBytes(show.make(true)));
+  ASSERT_TRUE(sent);
+  (void)standby_show.restoreFrom(*sent);
+  for (int step = 0; step < 30; ++step) {
+    caster.advance();
+    standby.advance();
+    Simulation &a = caster.simulation, &b = standby.simulation;
+    ASSERT_TRUE(areSame(b.headPose(), a.headPose())) << step;
+    for (size_t bone = 1; bone < a.model().bones.size(); ++bone)
+      ASSERT_TRUE(areSame(b.bonePose(bone), a.bonePose(bone))) << step << ", bone " << bone;
+    for (const BodyId id : a.bodyIds()) ASSERT_TRUE(areSame(b.bodyPose(id), a.bodyPose(id))) << step;
+    for (size_t v = 0; v < a.guides().size(); ++v)
+      ASSERT_LT((a.guides()[v] - b.guides()[v]).norm(), 1e-5f) << step << ", vertex " << v;
+  }
+}
+
+TEST_F(LivePosesTest, AStandbyTakesTheHeadAndBonesOfASourceThatIsGone) {
+  Settings settings = fewStrands();
+  settings.scene.pins = {{.parts = {}, .bone = "a ribbon", .from = 0.8f, .to = 1, .where = "a test"}};
+  const Scene scene = makeScene(settings.scene);
+  start(settings, scene);
+  sender_.names = "head bone:a%20ribbon";
+  for (int step = 0; step < 20; ++step) {
+    sender_.send({nodding(step / 60.0), {Vec3(0.01f, 0.02f, 0), Quat::Identity()}});
+    controlled_->advance();
+  }
+  EXPECT_TRUE(controlled_->poses.held().empty()) << "a standby hears the source itself";
+  passTime(4 * kNsPerSecond);
+  EXPECT_EQ(controlled_->poses.held().size(), 2u);
+  expectSameAfterTakeOver(settings, scene, *controlled_, *report_);
+  EXPECT_LT((head().position - nodding(19 / 60.0).position).norm(), 1e-6f);
+  ASSERT_EQ(order(CommandKind::kHeadMotion, "shake", {}), "");
+  expectSameAfterTakeOver(settings, scene, *controlled_, *report_);
+  EXPECT_EQ(controlled_->poses.held().size(), 1u) << "the bone";
+}
+
+TEST_F(LivePalette, IsTakenOverByAStandby) {
+  samples::ArmOptions swelling;
+  swelling.bulge = 0.01f;
+  writeFileBytes(folder_ / "arm.glb", samples::armGlb(swelling));
+  settings_.scene.skinned->clip = "swell";
+  settings_.scene.motion = "shake";
+  scene_ = makeScene(settings_.scene);
+  start(settings_, scene_);
+  sender_.names = jointNames(body());
+  sender_.weight_names = "bulge";
+  const std::vector<Pose> palette = paletteOf(body(), 0.8);
+  for (int step = 0; step < 10; ++step) {
+    std::vector<float> scales;
+    for (size_t joint = 0; joint < palette.size(); ++joint) scales.insert(scales.end(), {1.1f, 1, 1});
+    sender_.send(palette, {0.5f}, scales);
+    controlled_->advance();
+  }
+  passTime(4 * kNsPerSecond);
+  EXPECT_EQ(controlled_->poses.held().size(), palette.size() + 1);
+  expectSameAfterTakeOver(settings_, scene_, *controlled_, *report_);
+  ASSERT_EQ(order(CommandKind::kHeadMotion, "nod", {}), "") << "from now on it is added to the palette";
+  expectSameAfterTakeOver(settings_, scene_, *controlled_, *report_);
+}
+
+TEST_F(LivePosesTest, HeldPosesOutOfRangeAreRefused) {
+  const auto refusal = [&](const std::string& name, std::vector<double> values) {
+    return errorTextOf([&] { controlled_->poses.restore({name, std::move(values)}, "a show"); });
+  };
+  EXPECT_EQ(refusal("bone:nobody", {0, 0, 0, 0, 0, 0, 1}), "");
+  for (const std::vector<double>& values : std::vector<std::vector<double>>{
+           {}, {0, 0, 0, 0, 0, 0}, {2000, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 0}})
+    EXPECT_NE(refusal("head", values).find("'head'"), std::string::npos);
+  EXPECT_NE(refusal("weight:smile", {1e300}).find("a show"), std::string::npos);
+  EXPECT_NE(refusal("joint:upper", std::vector<double>(13)), "") << "it cannot be inverted";
+  EXPECT_NE(refusal("", {0}), "");
+  EXPECT_TRUE(areSame(head(), {}));
 }
 
 TEST_F(LivePosesTest, SixteenSourcesAreHeard) {
