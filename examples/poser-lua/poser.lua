@@ -2,9 +2,10 @@
 -- packages lua5.2, liblcm-lua and liblcm-bin, and nothing of Strandcast but the schema:
 --
 --   lcm-gen -l --lpath build/lua transport/lcm/strandcast.lcm
+--   strandcastd --transport lcm --scene straight &    # in another terminal; its default is DDS
 --   LUA_PATH="build/lua/?.lua;;" lua5.2 examples/poser-lua/poser.lua
 --
--- docs/wire.md, "PoseSamples", has the fields.
+-- It says which daemon it moves, or that none is heard. docs/wire.md, "PoseSamples", has the fields.
 
 unpack = unpack or table.unpack -- lcm-gen writes for Lua 5.1
 local lcm = require('lcm')
@@ -34,6 +35,13 @@ local function poseAt(time)
   return {x - turned[1], y - turned[2], z - turned[3], 0, math.sin(angle / 2), 0, math.cos(angle / 2)}
 end
 
+-- A daemon sends its groom each second. What is in it does not matter here.
+local is_heard = false
+link:subscribe('STRANDCAST_GROOM_' .. groom, function()
+  if not is_heard then print(('moving the head of groom %d'):format(groom)) end
+  is_heard = true
+end)
+
 math.randomseed(os.time())
 local message = pose_samples_t:new()
 message.source = math.random(1, 2 ^ 31 - 1)
@@ -44,6 +52,9 @@ local start = now()
 local offset = math.floor(start) * 1e9 -- ns; whole, so that doubles hold the times exactly
 for number = 1, seconds * kRate do
   while (now() - start) * kRate < number do link:timedhandle(0.002) end
+  if number == 3 * kRate and not is_heard then
+    print(('no daemon of groom %d is heard: strandcastd --transport lcm --domain %d'):format(groom, domain))
+  end
   message.newest = number
   message.names = (number - 1) % (kRate / 2) == 0 and 'head' or '' -- twice a second
   message.ages, message.poses = {}, {}

@@ -155,7 +155,11 @@ int main(int argc, char** argv) {
     const auto subscriber =
         over_lcm ? strandcast::makeLcmSubscriber(lcm) : strandcast::makeDdsSubscriber(dds);
     const auto sender = over_lcm ? strandcast::makeLcmPoseSender(lcm) : strandcast::makeDdsPoseSender(dds);
-    while (!subscriber->waitForGroom(5s)) std::puts("waiting for a daemon that casts groom 1");
+    while (!subscriber->waitForGroom(5s)) {
+      std::printf("no daemon casts groom 1 there: strandcastd --transport %s --domain %d\n",
+                  over_lcm ? "lcm" : "dds", domain);
+      std::fflush(stdout);
+    }
 
     // The head turns about the middle of the hair's roots: a groom does not say where its neck is.
     const strandcast::StrandSet& guides = subscriber->groom()->guides;
