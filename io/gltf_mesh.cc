@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "io/gltf_document.h"
 #include "io/gltf_scene.h"
@@ -296,6 +299,49 @@ TriangleMesh placedByNodes(const GltfDocument& document, const std::vector<GltfN
 
 }  // namespace
 
+std::string gltfNodeName(const GltfDocument& document, uint64_t node) {
+  const std::string part = gltfNodePart(node);
+  const json& description = document.entry("nodes", node, part);
+  const auto name = description.find("name");
+  return name != description.end() && name->is_string() ? name->get<std::string>() : part;
+}
+
+std::string gltfTargetName(const GltfDocument& document, uint64_t node, size_t target) {
+  const std::string part = gltfNodePart(node);
+  const auto mesh = document.unsignedMember(document.entry("nodes", node, part), "mesh", part);
+  const json& description = document.entry("meshes", mesh.value(), part);
+  const auto extras = description.find("extras");
+  if (extras != description.end() && extras->is_object())
+    if (const auto names = extras->find("targetNames");
+        names != extras->end() && names->is_array() && target < names->size() && (*names)[target].is_string())
+      return printable((*names)[target].get_ref<const std::string&>());
+  return fmt::format("target {}", target);
+}
+
+BodyRig gltfRig(const GltfDocument& document, const std::vector<GltfNode>& nodes) {
+  GltfReport told;  // by who reads the meshes
+  GltfMorphs morphs(document, told);
+  BodyRig rig;
+  std::set<std::string> joints, targets;
+  std::set<uint64_t> meshes;  // many nodes may have one
+  bool is_skinned = false;
+  for (const GltfNode& visit : nodes) {
+    const json& node = document.entry("nodes", visit.index, "a scene or node");
+    const std::string part = gltfNodePart(visit.index), name = gltfNodeName(document, visit.index);
+    if (joints.insert(name).second) rig.joints.push_back(name);
+    const auto mesh = document.unsignedMember(node, "mesh", part);
+    if (!mesh || !visit.is_visible) continue;
+    is_skinned = is_skinned || node.contains("skin");
+    if (!meshes.insert(*mesh).second) continue;
+    const size_t count = morphs.of(node, *mesh, part).weights.size();
+    for (size_t t = 0; t < count; ++t)
+      if (const std::string target = gltfTargetName(document, visit.index, t); targets.insert(target).second)
+        rig.targets.push_back(target);
+  }
+  if (!is_skinned) rig.joints.clear();
+  return rig;
+}
+
 ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
                       const ReadBeside& read_beside, const GltfLimits& limits) {
   const GltfDocument document(bytes, name, read_beside, limits);
@@ -309,7 +355,7 @@ ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
   TriangleMesh mesh = skinned ? skinAtRest(document, report) : placedByNodes(document, nodes, of_nodes);
   mesh.name = name;
   computeNormals(mesh);
-  return {std::move(mesh), (skinned ? report : of_nodes).report()};
+  return {std::move(mesh), (skinned ? report : of_nodes).report(), gltfRig(document, nodes)};
 }
 
 ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name, const GltfLimits& limits) {

@@ -9,6 +9,7 @@
 #include "core/geometry.h"
 #include "io/file_report.h"
 #include "io/gltf_document.h"
+#include "io/gltf_scene.h"
 #include "io/mesh_file.h"
 #include "io/skinned_mesh.h"
 
@@ -20,6 +21,7 @@ using GltfTransform = Eigen::Matrix<float, 4, 4, Eigen::DontAlign>;
 struct GltfMorph {
   std::vector<float> weights;  ///< at rest, one for each target
   std::vector<bool> played;    ///< per target; empty when no clip moves any
+  /// Or else read for programs that weigh it.
   bool isPlayed(size_t target) const { return target < played.size() && played[target]; }
 };
 
@@ -100,11 +102,20 @@ ReadMesh readGltfMesh(std::span<const std::byte> bytes, const std::string& name,
                       const ReadBeside& read_beside, const GltfLimits& limits = {});
 /// As readGltfSkin() in skinned_mesh.h, and also reads the external buffers of a .gltf.
 SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& name,
-                         const ReadBeside& read_beside, const GltfLimits& limits = {});
+                         const ReadBeside& read_beside, const GltfLimits& limits = {},
+                         BodyTargets targets = BodyTargets::kClip);
 
 /// Returns a reader for files that a .gltf names, in the folder of the .gltf. If `beneath` is not empty,
 /// reads are confined to it (readBeneath).
 ReadBeside besideFile(const std::filesystem::path& file, const std::filesystem::path& beneath = {});
+
+/// Name of a node, else gltfNodePart().
+std::string gltfNodeName(const GltfDocument& document, uint64_t node);
+/// Name of a morph target of a node's mesh from `extras.targetNames`, a convention of exporters, else
+/// "target N".
+std::string gltfTargetName(const GltfDocument& document, uint64_t node, size_t target);
+/// The rig of these nodes. Throws Error.
+BodyRig gltfRig(const GltfDocument& document, const std::vector<GltfNode>& nodes);
 
 /// The mesh of a document with a skin, with its joints at rest, without normals. Clips are not read.
 TriangleMesh skinAtRest(const GltfDocument& document, GltfReport& report);

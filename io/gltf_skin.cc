@@ -28,7 +28,7 @@ struct GltfMovable {
   std::map<uint64_t, GltfMorph> meshes;  ///< node -> morph targets of its mesh
 };
 
-/// Morph targets that clips play: (node, number of the target) -> index into SkinnedMesh::targets.
+/// Morph targets that are read: (node, number of the target) -> index into SkinnedMesh::targets.
 using GltfPlayed = std::map<std::pair<uint64_t, size_t>, uint32_t>;
 
 constexpr float kLargest = 1e9f;  ///< bound of a clip's numbers, so that results stay finite
@@ -174,24 +174,10 @@ class ClipReader {
       own.times = all.times;
       const auto [known, is_new] =
           played_.try_emplace({node, t}, static_cast<uint32_t>(into_.targets.size()));
-      if (is_new) into_.targets.push_back({nameOf(node, t), morph.weights[t], {}});
+      if (is_new) into_.targets.push_back({gltfTargetName(document_, node, t), morph.weights[t], {}});
       clip.morphs.push_back({known->second, static_cast<uint32_t>(clip.samplers.size())});
       clip.samplers.push_back(std::move(own));
     }
-  }
-
-  /// Name of a target from `extras.targetNames` of the mesh, a convention of exporters.
-  std::string nameOf(uint64_t node, size_t target) const {
-    const std::string part = gltfNodePart(node);
-    const auto mesh = document_.unsignedMember(document_.entry("nodes", node, part), "mesh", part);
-    const json& description = document_.entry("meshes", mesh.value(), part);
-    const auto extras = description.find("extras");
-    if (extras != description.end() && extras->is_object())
-      if (const auto names = extras->find("targetNames"); names != extras->end() && names->is_array() &&
-                                                          target < names->size() &&
-                                                          (*names)[target].is_string())
-        return printable((*names)[target].get_ref<const std::string&>());
-    return fmt::format("target {}", target);
   }
 
   /// Joint, path and sampler of a channel; empty if the channel moves no joint of the skeleton.
@@ -342,16 +328,22 @@ JointTransform localOf(const GltfDocument& document, const json& node, const std
 
 class SkinReader {
  public:
-  SkinReader(const GltfDocument& document, GltfReport& report)
-      : document_(document), report_(report), primitives_(document, report), morphs_(document, report) {}
+  SkinReader(const GltfDocument& document, GltfReport& report, BodyTargets targets = BodyTargets::kClip)
+      : document_(document),
+        report_(report),
+        read_targets_(targets),
+        primitives_(document, report),
+        morphs_(document, report) {}
 
   /// Reads the mesh and skeleton, and the clips if `with_clips`.
   SkinnedMesh read(bool with_clips) {
     reportAsset(document_, report_);
     const std::vector<GltfNode> nodes = sceneNodes(document_, report_);
     for (const GltfNode& visit : nodes) addNode(visit);
+    out_.rig = gltfRig(document_, nodes);
     rest_ = out_.skeleton.worldTransforms(out_.skeleton.rest());
     if (with_clips) played_ = readGltfClips(document_, movable_, report_, out_);
+    if (read_targets_ == BodyTargets::kAll) addOtherTargets();
     for (const auto& [node_and_target, target] : played_) {
       std::vector<bool>& played = movable_.meshes.at(node_and_target.first).played;
       played.resize(movable_.meshes.at(node_and_target.first).weights.size());
@@ -377,14 +369,24 @@ class SkinReader {
   }
 
  private:
+  void addOtherTargets() {
+    constexpr size_t kMost = 100'000;
+    for (const auto& [node, morph] : movable_.meshes)
+      for (size_t t = 0; t < morph.weights.size(); ++t) {
+        if (!played_.try_emplace({node, t}, static_cast<uint32_t>(out_.targets.size())).second) continue;
+        if (out_.targets.size() == kMost)
+          document_.fail(fmt::format("its nodes have more than {} morph targets", kMost), gltfNodePart(node),
+                         "read those of a clip alone (--body-targets clip)");
+        out_.targets.push_back({gltfTargetName(document_, node, t), morph.weights[t], {}});
+      }
+  }
+
   void addNode(const GltfNode& visit) {
     const std::string part = gltfNodePart(visit.index);
     const json& node = document_.entry("nodes", visit.index, "a scene or node");
     movable_.joints[visit.index] = static_cast<uint32_t>(out_.skeleton.joints.size());
-    const auto name = node.find("name");
-    const bool named = name != node.end() && name->is_string();
     out_.skeleton.joints.push_back(
-        {named ? name->get<std::string>() : part, visit.parent, localOf(document_, node, part)});
+        {gltfNodeName(document_, visit.index), visit.parent, localOf(document_, node, part)});
     const auto mesh = document_.unsignedMember(node, "mesh", part);
     if (mesh && visit.is_visible) movable_.meshes[visit.index] = morphs_.of(node, *mesh, part);
   }
@@ -558,6 +560,7 @@ class SkinReader {
 
   const GltfDocument& document_;
   GltfReport& report_;
+  const BodyTargets read_targets_;
   GltfPrimitives primitives_;
   GltfMorphs morphs_;
   SkinnedMesh out_;
@@ -573,10 +576,10 @@ class SkinReader {
 }  // namespace
 
 SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& name,
-                         const ReadBeside& read_beside, const GltfLimits& limits) {
+                         const ReadBeside& read_beside, const GltfLimits& limits, BodyTargets targets) {
   const GltfDocument document(bytes, name, read_beside, limits);
   GltfReport report;
-  SkinnedMesh skin = SkinReader(document, report).read(true);
+  SkinnedMesh skin = SkinReader(document, report, targets).read(true);
   skin.mesh.name = name;
   computeNormals(skin.mesh);
   skin.report = report.report();
@@ -587,9 +590,9 @@ TriangleMesh skinAtRest(const GltfDocument& document, GltfReport& report) {
   return SkinReader(document, report).read(false).mesh;
 }
 
-SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& name,
-                         const GltfLimits& limits) {
-  return readGltfSkin(bytes, name, ReadBeside(), limits);
+SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& name, const GltfLimits& limits,
+                         BodyTargets targets) {
+  return readGltfSkin(bytes, name, ReadBeside(), limits, targets);
 }
 
 }  // namespace strandcast

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/geometry.h"
 #include "io/groom_file.h"
@@ -22,10 +23,17 @@ struct GltfLimits {
   uint64_t accessor_bytes = 256'000'000;   ///< of one accessor that is sparse or has no bufferView
 };
 
+/// Names of what moves the mesh of a file besides its place, each once, whether it is read or not.
+struct BodyRig {
+  std::vector<std::string> joints;   ///< all nodes of the scene, where one of its meshes has a skin
+  std::vector<std::string> targets;  ///< morph targets of its meshes
+};
+
 /// A triangle mesh read from a file, with the report of its reader.
 struct ReadMesh {
   TriangleMesh mesh;
   FileReport report;
+  BodyRig rig = {};  ///< empty but for glTF
 };
 
 /// Prefixes of the names of groups that are not part of a body (MakeHuman's convention).

@@ -79,11 +79,12 @@ void SkinnedMesh::keepTargets(SkeletonClip& clip) {
   bindTargets();
 }
 
-SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOptions& options) {
+SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOptions& options,
+                            BodyTargets targets) {
   checkUnit(options.unit_meters);
   if (!isGltf(file)) throw Error("this format has no skins", file.string() + ", byte 0", "use .gltf or .glb");
   const std::vector<std::byte> bytes = readFileBytes(file);
-  SkinnedMesh skin = readGltfSkin(bytes, file.string(), besideFile(file));
+  SkinnedMesh skin = readGltfSkin(bytes, file.string(), besideFile(file), {}, targets);
   warnOfGltfUnits(options, skin.report);
   std::array<Vec3, 3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   rotateToYUp(axes, options.up);

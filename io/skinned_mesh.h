@@ -48,7 +48,7 @@ struct SkinnedMesh {
   std::vector<Vec3> stored;                ///< per vertex, as stored in the file, before bindings
   std::vector<SkinInfluences> influences;  ///< per vertex
   std::vector<SkinBinding> bindings;
-  std::vector<MorphTarget> targets;  ///< those that clips play
+  std::vector<MorphTarget> targets;  ///< those that clips play, or all of the file
   struct TargetBinding {
     uint32_t target, binding;
   };
@@ -56,6 +56,7 @@ struct SkinnedMesh {
   Skeleton skeleton;  ///< all nodes of the file's scene; its root holds units and axes
   std::vector<SkeletonClip> clips;
   FileReport report;
+  BodyRig rig;  ///< of the file
 
   /// Transforms of stored vertices per binding, then per entry of target_bindings. `world`: transforms of the
   /// joints. `weights`: per target; empty: as at rest.
@@ -71,16 +72,23 @@ struct SkinnedMesh {
   void keepTargets(SkeletonClip& clip);
 };
 
+/// The morph targets of a body that are read.
+enum class BodyTargets : uint8_t {
+  kClip,  ///< those that clips play
+  kAll    ///< also those that only a program weighs
+};
+
 /// Reads the meshes of a .gltf or .glb with their skins, the nodes as a skeleton, and the animations
 /// (translation, rotation, scale and weights of morph targets; STEP, LINEAR and CUBICSPLINE). A mesh without
 /// a skin moves with its node. The four largest weights of a vertex are kept. Throws Error (file, part,
-/// remedy) on bad input, and when no mesh has a skin or animated morph targets. docs/formats.md lists what is
-/// left out and repaired.
-SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOptions& options);
+/// remedy) on bad input, and when no mesh has a skin or morph targets that are read. docs/formats.md lists
+/// what is left out and repaired.
+SkinnedMesh loadSkinnedMesh(const std::filesystem::path& file, const GroomReadOptions& options,
+                            BodyTargets targets = BodyTargets::kClip);
 
 /// As loadSkinnedMesh(), from memory, in the file's units and axes, without external buffers. The fuzzer's
 /// entry point.
 SkinnedMesh readGltfSkin(std::span<const std::byte> bytes, const std::string& name,
-                         const GltfLimits& limits = {});
+                         const GltfLimits& limits = {}, BodyTargets targets = BodyTargets::kClip);
 
 }  // namespace strandcast

@@ -408,6 +408,8 @@ void readSections(Section& root, const std::filesystem::path& folder, Settings& 
     });
     body.text("joint", [&](const std::string& v) { skinned().joint = v; });
     body.text("roots", [&](const std::string& v) { skinned().roots = bodyRootsOf(v, body.place("roots")); });
+    body.text("targets",
+              [&](const std::string& v) { skinned().targets = bodyTargetsOf(v, body.place("targets")); });
     body.number("cell", 1e-6, 1e3, [&](double v) { s.scene.body_cell = static_cast<float>(v); });
     body.wholeNumber("fitted_spheres", 0, 64,
                      [&](double v) { s.scene.body_primitives = static_cast<int>(v); });

@@ -82,6 +82,7 @@ constexpr std::pair<const char*, const char*> kOptionKeys[] = {
     {"--body-clip", "body.clip"},
     {"--body-joint", "body.joint"},
     {"--body-roots", "body.roots"},
+    {"--body-targets", "body.targets"},
     {"--body-cell", "body.cell"},
     {"--unit-meters", "groom.unit_meters"},
     {"--up", "groom.up"},
@@ -200,6 +201,12 @@ BodyRoots bodyRootsOf(const std::string& name, const std::string& where) {
   throw Error("unknown value of --body-roots: '" + name + "'", where, "choose one of skin, joint");
 }
 
+BodyTargets bodyTargetsOf(const std::string& name, const std::string& where) {
+  if (name == "clip") return BodyTargets::kClip;
+  if (name == "all") return BodyTargets::kAll;
+  throw Error("unknown value of --body-targets: '" + name + "'", where, "choose one of clip, all");
+}
+
 void addNetworkOptions(CLI::App& app, Settings& settings) {
   app.add_option("--transport", settings.transport,
                  "transport of frames. dds: repairs losses and discovers the other programs; lcm: UDP "
@@ -278,6 +285,11 @@ SettingsOptions::SettingsOptions(CLI::App& app, SettingsUse use) : app_(app), us
                    "what roots on a skinned body follow: skin, the surface under each root (default), or "
                    "joint, --body-joint for all roots")
       ->check(CLI::IsMember({"skin", "joint"}));
+  scene
+      ->add_option("--body-targets", body_targets_,
+                   "morph targets that a skinned body has: clip, those that --body-clip plays (default), or "
+                   "all, which live poses can weigh too; contact parts over them follow")
+      ->check(CLI::IsMember({"clip", "all"}));
   scene
       ->add_option("--body-cell", given_.scene.body_cell,
                    "edge of a cell of the distance field, m; see `strandcast bake`")
@@ -492,7 +504,7 @@ void SettingsOptions::recordOrigins(Settings& out) const {
   } replacing[] = {{"--scene",
                     {"groom.files", "groom.hair_files", "groom.guides", "groom.unit_meters", "groom.up",
                      "body.file", "body.contact", "body.cell", "body.fitted_spheres", "body.clip",
-                     "body.joint", "body.roots", "body.unit_meters", "body.up"}},
+                     "body.joint", "body.roots", "body.targets", "body.unit_meters", "body.up"}},
                    {"--groom", {"scene", "groom.length"}},
                    {"--transport", {"transport.peers", "transport.discovery_server", "transport.lcm_url"}}};
   for (const auto& [option, replaced] : replacing)
@@ -538,11 +550,12 @@ Settings SettingsOptions::over(Settings out) const {
   }
   lay("--body", out.scene.body, given_.scene.body);
   if (!body_contact_.empty()) out.scene.body_contact = bodyContactOf(body_contact_);
-  if (!body_clip_.empty() || !body_joint_.empty() || !body_roots_.empty()) {
+  if (!body_clip_.empty() || !body_joint_.empty() || !body_roots_.empty() || !body_targets_.empty()) {
     if (!out.scene.skinned) out.scene.skinned.emplace();
     if (!body_clip_.empty()) out.scene.skinned->clip = body_clip_;
     if (!body_joint_.empty()) out.scene.skinned->joint = body_joint_;
     if (!body_roots_.empty()) out.scene.skinned->roots = bodyRootsOf(body_roots_);
+    if (!body_targets_.empty()) out.scene.skinned->targets = bodyTargetsOf(body_targets_);
   }
   lay("--body-cell", out.scene.body_cell, given_.scene.body_cell);
   lay("--unit-meters", out.scene.units.unit_meters, given_.scene.units.unit_meters);

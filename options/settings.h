@@ -124,7 +124,8 @@ class SettingsOptions {
   std::filesystem::path config_;
   Settings given_;
   std::string guides_;
-  std::string up_, body_up_, solver_, codec_, body_contact_, body_clip_, body_joint_, body_roots_;
+  std::string up_, body_up_, solver_, codec_, body_contact_, body_clip_, body_joint_, body_roots_,
+      body_targets_;
   double codec_error_mm_ = 0, hair_error_mm_ = 0;
   bool sag_free_ = true;
   std::vector<std::string> groom_, hairs_, material_, set_;
@@ -141,6 +142,8 @@ GuideChoice guideChoiceOf(const std::string& text, const std::string& where = "-
 BodyContact bodyContactOf(const std::string& name, const std::string& where = "--body-contact");
 /// "skin" or "joint"; Error otherwise, naming `where`.
 BodyRoots bodyRootsOf(const std::string& name, const std::string& where = "--body-roots");
+/// "clip" or "all"; Error otherwise, naming `where`.
+BodyTargets bodyTargetsOf(const std::string& name, const std::string& where = "--body-targets");
 
 /// Adds the options of every program that joins a network: --transport, --profile, --keys, --peers,
 /// --discovery-server, --lcm-url, --domain and --groom-id.

@@ -380,6 +380,24 @@ ClosestPoint scalpOf(const TriangleMesh& body) {
   };
 }
 
+/// Notes what could move the body but is not read.
+void noteRig(const SceneOptions& options, Scene& scene) {
+  const BodyRig& rig = scene.body_rig;
+  std::vector<std::string> parts, remedies;
+  if (!rig.joints.empty()) {
+    parts.push_back(fmt::format("{} joints", rig.joints.size()));
+    remedies.emplace_back("--body-joint or --body-clip");
+  }
+  if (!rig.targets.empty()) {
+    parts.push_back(fmt::format("{} morph targets", rig.targets.size()));
+    remedies.emplace_back("--body-targets all");
+  }
+  if (parts.empty()) return;
+  scene.notes.push_back(
+      fmt::format("{} has {} and is read without them; clips and live poses move it with {}",
+                  options.body.filename().string(), fmt::join(parts, " and "), fmt::join(remedies, " and ")));
+}
+
 void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene) {
   report(progress, "reading the body", 0.2);
   const GroomReadOptions units =
@@ -388,18 +406,21 @@ void fitBody(const SceneOptions& options, const Progress& progress, Scene& scene
   if (options.skinned) {
     SkinnedMotion motion = *options.skinned;
     motion.clip_unit_meters = options.clip_unit_meters;
-    skinned = std::make_shared<SkinnedBody>(loadSkinnedMesh(options.body, units), motion);
+    skinned = std::make_shared<SkinnedBody>(loadSkinnedMesh(options.body, units, motion.targets), motion);
     for (const ScenePrimitive& primitive : options.primitives)
       if (!primitive.joint.empty()) skinned->checkJoint(primitive.joint, primitive.where);
     appendReport(options.body, skinned->skin().report, scene.notes, scene.warnings);
     scene.notes.insert(scene.notes.end(), skinned->notes().begin(), skinned->notes().end());
     for (const std::string& line : skinned->repair().lines()) scene.warnings.push_back("the body: " + line);
+    scene.body_rig = skinned->skin().rig;
     scene.body = skinned->skin().mesh;
     scene.head_weights = skinned->jointWeights();
   } else {
     ReadMesh body = loadMesh(options.body, units);
     appendReport(options.body, body.report, scene.notes, scene.warnings);
     scene.body = std::move(body.mesh);
+    scene.body_rig = std::move(body.rig);
+    noteRig(options, scene);
   }
   report(progress, "binding roots to the body", 0.4);
   const ClosestPoint scalp = scalpOf(scene.body);
@@ -627,7 +648,7 @@ void checkNamesAndJoints(const SceneOptions& options) {
 void checkSkinned(const SceneOptions& options) {
   if (!options.skinned) return;
   if (options.groom.empty() || options.body.empty())
-    throw Error("no body file is given", "clip, joint or roots of the body",
+    throw Error("no body file is given", "clip, joint, roots or targets of the body",
                 "name groom and body files (--groom, --body)");
   if (options.body_contact == BodyContact::kSpheres)
     throw Error("a skinned body cannot collide as spheres", options.body.string(),

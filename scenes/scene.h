@@ -101,6 +101,7 @@ struct Scene {
   Vec3 head_pivot = Vec3::Zero();  ///< m, joint of head and neck, for head motions
   HeadMotion motion;               ///< of a skinned body with a clip: relative to the clip's pose of the head
   std::shared_ptr<SkinnedBody> skinned;  ///< null unless the body is skinned; moveTo() moves it
+  BodyRig body_rig;                      ///< of the body's file, also of what the scene does not move
   Parameters parameters;
   MeshBodyOptions mesh_bodies;        ///< for bodies that are added later
   std::vector<std::string> notes;     ///< findings and actions while making the scene, one line each

@@ -150,18 +150,19 @@ void SkinnedBody::noteTravel() {
   if (most > kNotableTravel) notes_.push_back(travelText("the clip " + clip_.name, nameOf(farthest), most));
 }
 
-/// Selects the clip and discards other clips and the targets that it does not play.
+/// Selects the clip and discards other clips and the targets that nothing weighs.
 void SkinnedBody::choose(const SkinnedMotion& motion) {
   clip_ = clipNamed(skin_, motion, notes_);
   skin_.clips.clear();
-  skin_.keepTargets(clip_);
+  if (motion.targets == BodyTargets::kClip) skin_.keepTargets(clip_);
   rest_weights_ = first_weights_ = skin_.restWeights();
   clip_.weigh(0, first_weights_);
   if (skin_.targets.empty()) return;
   std::vector<std::string> names;
   for (const MorphTarget& target : skin_.targets) names.push_back(target.name);
-  notes_.push_back(
-      fmt::format("the clip plays {} morph targets ({})", skin_.targets.size(), firstNamesOf(names)));
+  notes_.push_back(fmt::format("{} {} morph targets ({})",
+                               motion.targets == BodyTargets::kClip ? "the clip plays" : "the skin has",
+                               skin_.targets.size(), firstNamesOf(names)));
 }
 
 Vec3 SkinnedBody::pivot() const { return Vec3(rest_[joint_].translation().cast<float>()); }

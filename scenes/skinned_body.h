@@ -23,6 +23,8 @@ struct SkinnedMotion {
   /// first with "head" in its name, or the only one that carries the body.
   std::string joint;
   BodyRoots roots = BodyRoots::kSkin;
+  /// Morph targets that the skin has: those that the clip plays, or all, so that programs can weigh them.
+  BodyTargets targets = BodyTargets::kClip;
   float clip_unit_meters = 0;  ///< metres per unit of a .bvh clip; 0: deduced, see unitOf()
 };
 
@@ -31,7 +33,7 @@ struct SkinnedMotion {
 /// start. The head's motion is relative to the clip's pose of the joint.
 class SkinnedBody {
  public:
-  /// Throws Error on an unknown clip or joint, and as cutSkin and readBvh.
+  /// `skin`: read with motion.targets. Throws Error on an unknown clip or joint, and as cutSkin and readBvh.
   SkinnedBody(SkinnedMesh skin, const SkinnedMotion& motion);
 
   const SkinnedMesh& skin() const { return skin_; }

@@ -46,6 +46,14 @@ Pose heldPose(const std::vector<double>& v) {
           Quat(Eigen::Quaterniond(v[6], v[3], v[4], v[5]).cast<float>())};
 }
 
+/// The first few of these names.
+std::string firstOf(const std::vector<std::string>& names) {
+  constexpr ptrdiff_t kMost = 8;
+  return fmt::format("{}{}",
+                     fmt::join(names.begin(), names.begin() + std::min(kMost, std::ssize(names)), ", "),
+                     std::ssize(names) > kMost ? ", ..." : "");
+}
+
 void appendName(std::string& names, const std::string& name) {
   if (!names.empty()) names += ' ';
   names += name;
@@ -67,7 +75,18 @@ PoseTargets::PoseTargets(const Scene& scene, Simulation& simulation, HeadMotionC
       head_(head),
       colliders_(colliders),
       skinned_(scene.skinned),
+      rig_(scene.body_rig),
       head_pivot_(scene.head_pivot) {}
+
+bool PoseTargets::isUnreadJoint(const PosedName& name) const {
+  return !skinned_ && name.kind == PosedKind::kJoint && !name.name.empty() &&
+         std::find(rig_.joints.begin(), rig_.joints.end(), name.name) != rig_.joints.end();
+}
+
+bool PoseTargets::isUnreadWeight(const std::string& name) const {
+  return findWeights(name).empty() &&
+         std::find(rig_.targets.begin(), rig_.targets.end(), name) != rig_.targets.end();
+}
 
 /// The skin moves those before it but the head's.
 size_t PoseTargets::firstPinned() const {
@@ -103,13 +122,13 @@ PoseTargets::Target PoseTargets::find(const PosedName& name) const {
   return {};
 }
 
-std::optional<size_t> PoseTargets::findWeight(const std::string& name) const {
-  if (!skinned_) return std::nullopt;
+std::vector<size_t> PoseTargets::findWeights(const std::string& name) const {
+  std::vector<size_t> found;
+  if (!skinned_) return found;
   const std::vector<MorphTarget>& known = skinned_->skin().targets;
-  const auto found = std::find_if(known.begin(), known.end(),
-                                  [&](const MorphTarget& target) { return target.name == name; });
-  if (found == known.end()) return std::nullopt;
-  return static_cast<size_t>(found - known.begin());
+  for (size_t t = 0; t < known.size(); ++t)
+    if (known[t].name == name) found.push_back(t);
+  return found;
 }
 
 std::optional<size_t> PoseTargets::carrier(const std::vector<Target>& targets) const {
@@ -136,7 +155,7 @@ void PoseTargets::resolve(const PoseSamples& poses) {
   }
   if (poses.weight_names != weight_names_) {
     weights_.clear();
-    for (const std::string& name : weightNames(poses)) weights_.push_back(findWeight(name));
+    for (const std::string& name : weightNames(poses)) weights_.push_back(findWeights(name));
     if (!weights_.empty()) head_.releaseWeights();
     weight_names_ = poses.weight_names;
   }
@@ -158,7 +177,7 @@ void PoseTargets::apply(const PoseSamples& poses) {
     head_.poseJoint(target.index, motion);
   }
   for (size_t i = 0; i < weights_.size(); ++i)
-    if (weights_[i]) head_.weigh(*weights_[i], poses.weights[i]);
+    for (const size_t target : weights_[i]) head_.weigh(target, poses.weights[i]);
 }
 
 std::vector<PoseTargets::Held> PoseTargets::held() const {
@@ -198,8 +217,8 @@ void PoseTargets::restore(const Held& held, const std::string& where) {
   if (const std::string prefix = "weight:"; held.name.starts_with(prefix)) {
     check(v.size() == 1 &&
           std::fabs(v[0]) <= double{std::numeric_limits<float>::max()});  // a file's, at rest
-    if (const auto target = findWeight(withSpaces(held.name.substr(prefix.size()))))
-      head_.weigh(*target, static_cast<float>(v[0]));
+    for (const size_t target : findWeights(withSpaces(held.name.substr(prefix.size()))))
+      head_.weigh(target, static_cast<float>(v[0]));
     return;
   }
   PoseSamples named;
@@ -275,11 +294,10 @@ struct LivePoses::Source {
            std::any_of(weights.begin(), weights.end(), isOwned);
   }
   bool movesHair() const { return carrier && slots[*carrier].is_owned; }
-  /// By how much the first step after a lock is before the newest sample, ns:
-  /// one period where the sender is slower than the steps. So both samples
-  /// around the next steps are there, and the pace has nothing to catch up.
-  /// PoseLock::followPhase keeps up with a sender that is slower by 0.5 %: its
-  /// samples all fall on steps.
+  /// By how much the first step after a lock is before the newest sample, ns: one period where the sender is
+  /// slower than the steps. So both samples around the next steps are there, and the pace has nothing to
+  /// catch up. PoseLock::followPhase keeps up with a sender that is slower by 0.5 %: its samples all fall on
+  /// steps.
   int64_t hold(int64_t step_ns, int64_t longest) const {
     const bool is_slower = period > step_ns + step_ns / 200 && period <= PoseTrack::kLongestInterval;
     return is_slower ? std::min(period, longest) : 0;
@@ -336,47 +354,61 @@ bool LivePoses::adoptNames(Source& source, const PoseSamples& message) {
     source.track.reset();
     source.taken = nullptr;
     std::vector<PoseTargets::Target> targets;
-    std::vector<std::string> missing;
     const std::vector<PosedName> posed = posedNames(message);
     const std::vector<std::string_view> texts = splitNames(message.names);
     for (size_t i = 0; i < posed.size(); ++i) {
       PoseTargets::Target target = targets_.find(posed[i]);
-      if (target.kind == PosedKind::kOther) {
-        missing.emplace_back(texts[i]);
-        continue;
-      }
+      if (target.kind == PosedKind::kOther) continue;
       source.slots.push_back({i, std::string(texts[i])});
       source.pivots.push_back(target.pivot);
       targets.push_back(std::move(target));
     }
     const std::vector<std::string> weights = weightNames(message);
-    for (size_t i = 0; i < weights.size(); ++i) {
-      if (targets_.findWeight(weights[i]))
+    for (size_t i = 0; i < weights.size(); ++i)
+      if (!targets_.findWeights(weights[i]).empty())
         source.weights.push_back({i, "weight:" + withoutSpaces(weights[i])});
-      else
-        missing.push_back("weight:" + withoutSpaces(weights[i]));
-    }
     source.posed = posed.size();
     source.weighed = weights.size();
     source.carrier = targets_.carrier(targets);
     if (is_told)
       spdlog::info("{} names {} things, of which {} are here", source.name(), source.posed + source.weighed,
                    source.slots.size() + source.weights.size());
-    if (is_told && !missing.empty())
-      spdlog::warn(
-          "{} names what this groom does not have: {}{}{}", source.name(),
-          fmt::join(missing.begin(), missing.begin() + std::min<ptrdiff_t>(8, std::ssize(missing)), ", "),
-          missing.size() > 8 ? ", ..." : "",
-          targets_.hasSkin() || missing[0].substr(0, 6) != "joint:"
-              ? ""
-              : "; joints are those of a skinned body: give "
-                "--body-joint or --body-clip");
+    if (is_told) warnOfNames(source, message);
   }
   if (posesPerSample(message) != source.posed || weightsPerSample(message) != source.weighed) return false;
   if (source.track && source.has_scales == !message.scales.empty()) return true;
   source.has_scales = !message.scales.empty();
   source.makeTrack(options_.extrapolate);
   return true;
+}
+
+void LivePoses::warnOfNames(const Source& source, const PoseSamples& message) const {
+  std::vector<std::string> unknown, joints, weights;
+  const std::vector<PosedName> posed = posedNames(message);
+  const std::vector<std::string_view> texts = splitNames(message.names);
+  bool has_unknown_joint = false;
+  for (size_t i = 0; i < posed.size(); ++i) {
+    if (targets_.find(posed[i]).kind != PosedKind::kOther) continue;
+    const bool is_unread = targets_.isUnreadJoint(posed[i]);
+    (is_unread ? joints : unknown).emplace_back(texts[i]);
+    has_unknown_joint = has_unknown_joint || (posed[i].kind == PosedKind::kJoint && !is_unread);
+  }
+  for (const std::string& name : weightNames(message))
+    if (targets_.findWeights(name).empty())
+      (targets_.isUnreadWeight(name) ? weights : unknown).push_back("weight:" + withoutSpaces(name));
+  if (!joints.empty())
+    spdlog::warn(
+        "{} names {} joints of the body's file ({}), which is read without its skin: give "
+        "--body-joint or --body-clip",
+        source.name(), joints.size(), firstOf(joints));
+  if (!weights.empty())
+    spdlog::warn(
+        "{} names {} morph targets of the body's file ({}) that are not read: give --body-targets all",
+        source.name(), weights.size(), firstOf(weights));
+  if (!unknown.empty())
+    spdlog::warn(
+        "{} names what this groom does not have: {}{}", source.name(), firstOf(unknown),
+        has_unknown_joint && !targets_.hasJoints() ? "; its body has no skin, and so no joints" : "");
 }
 
 void LivePoses::addSamples(Source& source, const PoseSamples& message) {
@@ -479,10 +511,8 @@ void LivePoses::assign(int64_t now) {
         if (slot.is_owned) continue;
         source->is_refused = true;
         if (!std::exchange(source->has_told_refusal, true))
-          spdlog::warn(
-              "{} names {}, which live source {:016x} moves until "
-              "that has been silent for 0.5 s",
-              source->name(), slot.key, owner);
+          spdlog::warn("{} names {}, which live source {:016x} moves until that has been silent for 0.5 s",
+                       source->name(), slot.key, owner);
       }
     }
     if (!source->movesHair()) continue;
@@ -521,8 +551,7 @@ bool LivePoses::take(Source& source, int64_t end_ns, int64_t step_ns) {
   if (source.taken->state == PoseState::kNone) return false;
   const int64_t age = time() - source.taken->shown.time_ns;
   if (source.taken->is_exact) source.lock.followPhase(age, step_ns);
-  // Without the next sample a step is between samples where that is not yet
-  // due.
+  // Without the next sample a step is between samples where that is not yet due.
   if (source.taken->state == PoseState::kLive || source.taken->state == PoseState::kRejoining ||
       age < source.period - step_ns / 100)
     source.exact_steps = source.exact_steps << 1 | (source.taken->is_exact ? 1 : 0);

@@ -37,9 +37,13 @@ class PoseTargets {
   };
   /// kOther where the simulation has nothing of this name.
   Target find(const PosedName& name) const;
-  bool hasSkin() const { return skinned_ != nullptr; }
-  /// Index of a morph target of the skinned body.
-  std::optional<size_t> findWeight(const std::string& name) const;
+  /// Whether the body's file has this joint or morph target, and it was not read.
+  bool isUnreadJoint(const PosedName& name) const;
+  bool isUnreadWeight(const std::string& name) const;
+  /// Whether the body's file has joints.
+  bool hasJoints() const { return !rig_.joints.empty(); }
+  /// Indices of the morph targets of a name: each mesh of the skinned body may have one.
+  std::vector<size_t> findWeights(const std::string& name) const;
   /// Of a sender's targets the one that carries the hair: the nearest of the joint on which hair grows and
   /// its ancestors, else the head.
   std::optional<size_t> carrier(const std::vector<Target>& targets) const;
@@ -70,11 +74,12 @@ class PoseTargets {
   HeadMotionControl& head_;
   ColliderRegistry& colliders_;
   const std::shared_ptr<const SkinnedBody> skinned_;
+  const BodyRig rig_;
   const Vec3 head_pivot_;
   // Of the poses that apply() had last:
   std::string names_, weight_names_;
   std::vector<Target> targets_;
-  std::vector<std::optional<size_t>> weights_;
+  std::vector<std::vector<size_t>> weights_;
 };
 
 /// Counters since the start, and the latest times, of all live sources.
@@ -173,6 +178,8 @@ class LivePoses {
   void append(const Source& source, const PoseSample& shown);
   /// The source that moves the hair.
   const Source* carrier() const;
+  /// Warns of what the simulation does not have of a sender's names.
+  void warnOfNames(const Source& source, const PoseSamples& message) const;
   [[noreturn]] static void refuse(uint64_t source, const std::string& what, const std::string& where);
 
   const PoseOptions options_;

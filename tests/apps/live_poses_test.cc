@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "core/error.h"
+#include "options/settings.h"
 #include "scenes/scene.h"
 #include "service/command_executor.h"
 #include "service/controls.h"
@@ -425,6 +426,50 @@ TEST_F(LivePalette, HasWeightsAndScales) {
   expected.step();
   for (const BodyId id : expected.bodyIds())
     EXPECT_TRUE(areSame(controlled_->simulation.bodyPose(id), expected.bodyPose(id))) << id;
+}
+
+TEST_F(LivePalette, WeighsTargetsThatTheClipDoesNotPlay) {
+  samples::ArmOptions swelling;
+  swelling.bulge = 0.01f;
+  writeFileBytes(folder_ / "arm.glb", samples::armGlb(swelling));
+  settings_.scene.skinned->clip.clear();
+  sender_.names = "";
+  sender_.weight_names = "bulge";
+  for (const char* targets : {"clip", "all"}) {
+    readConfigText(std::string("[body]\ntargets = \"") + targets + "\"\n", "a.toml", settings_);
+    scene_ = makeScene(settings_.scene);
+    start(settings_, scene_);
+    sender_.send({}, {0.75f});
+    controlled_->advance();
+    bool is_bent = false;
+    for (const BodyId id : controlled_->simulation.bodyIds())
+      is_bent = is_bent || !controlled_->simulation.bodyBend(id).isNone();
+    EXPECT_EQ(metrics().samples, std::string(targets) == "all" ? 1u : 0u);
+    EXPECT_EQ(is_bent, std::string(targets) == "all");
+    const PoseTargets named(scene_, controlled_->simulation, controlled_->head, controlled_->colliders);
+    EXPECT_EQ(named.isUnreadWeight("bulge"), std::string(targets) == "clip");
+    EXPECT_FALSE(named.isUnreadWeight("frown"));
+  }
+}
+
+TEST_F(LivePalette, JointsOfAFileThatIsReadWithoutItsSkinAreToldFromOthers) {
+  const PosedName upper{PosedKind::kJoint, "upper"}, tail{PosedKind::kJoint, "tail"};
+  const auto targets = [&] {
+    return PoseTargets(scene_, controlled_->simulation, controlled_->head, controlled_->colliders);
+  };
+  EXPECT_FALSE(targets().isUnreadJoint(upper)) << "it is read";
+  settings_.scene.skinned.reset();
+  scene_ = makeScene(settings_.scene);
+  start(settings_, scene_);
+  EXPECT_EQ(targets().find(upper).kind, PosedKind::kOther);
+  EXPECT_TRUE(targets().isUnreadJoint(upper));
+  EXPECT_FALSE(targets().isUnreadJoint(tail));
+  EXPECT_FALSE(targets().isUnreadJoint({PosedKind::kBone, "upper"}));
+  EXPECT_EQ(std::count_if(scene_.notes.begin(), scene_.notes.end(),
+                          [](const std::string& note) {
+                            return note.find("arm.glb has ") == 0 && note.find("--body-joint") < note.size();
+                          }),
+            1);
 }
 
 TEST_F(LivePosesTest, MovesTheBonesOfPins) {

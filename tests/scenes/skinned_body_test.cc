@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -11,6 +12,7 @@
 
 #include "collision/mesh_query.h"
 #include "io/file_bytes.h"
+#include "io/mesh_file.h"
 #include "tests/expect_error.h"
 #include "tests/io/sample_files.h"
 #include "tests/io/scratch_folder.h"
@@ -178,6 +180,46 @@ TEST(SkinnedBody, ClipsThatPlayNoMorphTargetLeaveThemAtRest) {
   EXPECT_EQ(body.parts().size(), plain.parts().size());
   EXPECT_EQ(still.parts().size(), plain.parts().size());
   EXPECT_EQ(body.surface(1, {}), plain.surface(1, {}));
+}
+
+TEST(SkinnedBody, HasAllMorphTargetsWhereProgramsAreToWeighThem) {
+  const samples::ArmOptions options = swellingArm();
+  // A file whose clips play none.
+  const std::vector<std::byte> file = samples::armWith(options, R"("path":"weights")", R"("path":"pointer")");
+  EXPECT_TRUE(readGltfSkin(file, "arm.gltf").targets.empty());
+  SkinnedMotion motion{"bend", "lower"};
+  motion.targets = BodyTargets::kAll;
+  for (const bool is_played : {true, false}) {
+    const SkinnedBody body(
+        readGltfSkin(is_played ? samples::armGlb(options) : file, "arm.gltf", {}, motion.targets), motion);
+    ASSERT_EQ(body.skin().targets.size(), 1u);
+    EXPECT_EQ(body.skin().targets[0].name, "bulge");
+    EXPECT_EQ(body.notes().back(), "the skin has 1 morph targets (bulge)");
+    EXPECT_EQ(body.surface(0, {}), arm({"bend", "lower"}, options).surface(0, {}));
+    const SkinnedBody::Moment moment = body.at(0, {}, std::vector<float>{0.5f});
+    const std::vector<Vec3> swollen = body.skin().blended(moment.joints, moment.weights);
+    const std::vector<Vec3>& still = body.skin().mesh.positions;
+    float most = 0;
+    for (size_t v = 0; v < still.size(); ++v) {
+      EXPECT_LT((swollen[v] - still[v] - 0.5f * samples::bulgeAt(options, still[v])).norm(), 1e-6f);
+      most = std::max(most, (swollen[v] - still[v]).norm());
+    }
+    EXPECT_GT(most, 4e-3f);
+    size_t bent = 0;
+    for (const SkinnedBody::PlacedPart& part : body.placedParts(moment)) bent += !part.bend.isNone();
+    EXPECT_GT(bent, 0u) << "contact follows";
+  }
+}
+
+TEST(SkinnedBody, AFileNamesItsRigWhetherItIsReadOrNot) {
+  const std::vector<std::byte> file = samples::armGlb(swellingArm());
+  const BodyRig skinned = readGltfSkin(file, "arm.glb").rig, rigid = readGltfMesh(file, "arm.glb").rig;
+  for (const BodyRig& rig : {skinned, rigid}) {
+    EXPECT_EQ(std::count(rig.joints.begin(), rig.joints.end(), "upper"), 1);
+    EXPECT_EQ(std::count(rig.joints.begin(), rig.joints.end(), "lower"), 1);
+    EXPECT_EQ(rig.targets, std::vector<std::string>{"bulge"});
+  }
+  EXPECT_TRUE(readGltfMesh(samples::armGlb(swellingArm(false)), "arm.glb").rig.joints.empty()) << "no skin";
 }
 
 using Palette = std::vector<std::optional<Placement>>;
