@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -122,6 +123,15 @@ void setObstacles(Renderer& renderer, const PictureOptions& options, const Colli
 Camera pictureCamera(const PictureOptions& options, const Box& box) {
   const auto radians = [](double degrees) { return static_cast<float>(degrees * std::numbers::pi / 180); };
   return orbit(box, radians(options.azimuth), radians(options.elevation), static_cast<float>(options.zoom));
+}
+
+float pixelsOfHair(const Camera& camera, const GuideFrame& frame, int height) {
+  constexpr float kMaxPixels = 1e6f;
+  Box hair;
+  for (const Vec3& position : frame.positions)
+    if (position.allFinite()) hair.extend(position);
+  if (hair.isEmpty()) return 0;
+  return std::min(heightsInPicture(camera, hair) * static_cast<float>(height), kMaxPixels);
 }
 
 }  // namespace strandcast

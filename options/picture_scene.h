@@ -31,5 +31,9 @@ void setObstacles(Renderer& renderer, const PictureOptions& options, const Colli
                   const BodyDescription& body);
 /// The camera that looks at `box` as the options say.
 Camera pictureCamera(const PictureOptions& options, const Box& box);
+/// What Subscriber::setPictures() takes: the diameter of the bounding sphere of a frame's hair in a picture
+/// `height` pixels high. Hair beside the picture counts, too: its shadow may be in it. 0 without hair; places
+/// that are not finite are left out.
+float pixelsOfHair(const Camera& camera, const GuideFrame& frame, int height);
 
 }  // namespace strandcast

@@ -151,10 +151,12 @@ int render(const RenderOptions& o) {
       }
       if (const auto now = subscriber.status()) status = now;
       const auto start = std::chrono::steady_clock::now();
-      renderer.draw(*captured->frame, pictureCamera(o.picture, box));
+      const Camera camera = pictureCamera(o.picture, box);
+      renderer.draw(*captured->frame, camera);
       const Image image = renderer.read();
       draw_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
       pictures.write(image);
+      subscriber.setPictures(pixelsOfHair(camera, *captured->frame, image.height), static_cast<float>(o.fps));
       ++drawn;
       bar.show(fmt::format("frame {} of {}", drawn, o.frames), static_cast<double>(drawn) / o.frames);
     }

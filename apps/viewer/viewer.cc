@@ -236,14 +236,9 @@ class Viewer {
     if (tool_.isHolding()) markHand(view);
   }
 
-  /// Tells the daemon how large the hair is. Hair beside the picture counts too: its shadow may be in it.
+  /// Tells the daemon how large the hair is.
   void tellSize(const Camera& camera, const Viewport& view) {
-    constexpr float kMaxPixels = 1e6f;
-    Box hair;
-    for (const Vec3& position : frame_->positions) hair.extend(position);
-    const float pixels =
-        hair.isEmpty() ? 0 : heightsInPicture(camera, hair) * static_cast<float>(view.height);
-    if (pixels >= 0) session_->subscriber().setPictures(std::min(pixels, kMaxPixels), 0);
+    session_->subscriber().setPictures(pixelsOfHair(camera, *frame_, view.height), 0);
   }
 
   /// Draws a ring at the hand.

@@ -163,15 +163,19 @@ TEST_F(CastingPrograms, DaemonCastsToARendererAndObeys) {
   EXPECT_NE(conflict.err.find("another daemon"), std::string::npos) << conflict.err;
 
   const Outcome drawn =
-      run(program_ + " render --json --frames 3 --width 160 --height 120 --hairs 2000 --out " +
+      run(program_ + " render --json --frames 60 --width 160 --height 120 --hairs 2000 --out " +
           (folder_ / "pictures").string() + network);
   if (drawn.err.find("OpenGL") == std::string::npos) {
     ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
     const nlohmann::json report = nlohmann::json::parse(drawn.out);
-    EXPECT_EQ(report["frames_drawn"], 3);
+    EXPECT_EQ(report["frames_drawn"], 60);
     EXPECT_EQ(report["frames_lost"], 0);
     EXPECT_EQ(report["strands"], 200);
     EXPECT_TRUE(std::filesystem::exists(folder_ / "pictures" / "frame_0002.png"));
+    const Outcome seen = run(program_ + " ctl status --json" + network);
+    const double pixels = nlohmann::json::parse(seen.out)["metrics"]["largest_pixels"];
+    EXPECT_GT(pixels, 40) << "of a picture 120 pixels high, to a daemon that hears its reader for 3 s more";
+    EXPECT_LT(pixels, 200);
   }
   // A paused daemon gives one frame to record, not a film of it.
   EXPECT_EQ(run(program_ + " ctl pause" + network).exit_code, 0);

@@ -1,5 +1,7 @@
-// The obstacles that programs pass to a renderer for a stream, for each scene.
+// What programs pass to a renderer for a stream: obstacles for each scene; and what they tell its daemon.
 #include "options/picture_scene.h"
+
+#include <cmath>
 
 #include "collision/field_bake.h"
 #include "options/picture_settings.h"
@@ -65,6 +67,19 @@ TEST_F(Obstacles, OfAnEarlierSceneCarryNothingOfTheNext) {
   setObstacles(renderer, options_, &parts_, ball_);
   setScene(renderer, {}, box_);
   EXPECT_EQ(drawn(renderer, moved_).rgb, wanted.rgb);
+}
+
+TEST(PixelsOfHair, AreTheDiameterOfItsBoundingSphereInThePicture) {
+  GuideFrame frame;
+  Camera camera;
+  EXPECT_EQ(pixelsOfHair(camera, frame, 720), 0) << "no hair";
+  frame.positions = {Vec3(-0.1f, 0, 0), Vec3(0.1f, 0, 0), Vec3(NAN, 0, 0)};
+  camera.target = Vec3::Zero();
+  camera.eye = Vec3(0, 0, 2);
+  const float expected = 720 * 0.1f / std::sqrt(4 - 0.01f) / std::tan(0.5f * camera.vertical_fov);
+  EXPECT_NEAR(pixelsOfHair(camera, frame, 720), expected, 0.1f);
+  camera.eye = Vec3(0, 0, 0.05f);
+  EXPECT_EQ(pixelsOfHair(camera, frame, 720), 1e6f) << "the eye is in it";
 }
 
 }  // namespace
