@@ -1,12 +1,13 @@
 #pragma once
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/info.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <future>
+#include <system_error>
 #include <vector>
 
 #include "collision/body_distance.h"
@@ -16,10 +17,14 @@
 
 namespace strandcast {
 
-/// Parallel loops during which the calling thread reports progress and may be told to stop.
+/// Parallel loops during which the calling thread reports progress and may be told to stop. Their threads
+/// have the priority of the calling thread and end with the loop. oneTBB's workers would keep that priority
+/// for all later work of the process.
 class BakeLoop {
  public:
-  explicit BakeLoop(int threads) : arena_(threads > 0 ? threads : oneapi::tbb::task_arena::automatic) {}
+  /// `threads`: 0 = all of the machine.
+  explicit BakeLoop(int threads)
+      : threads_(static_cast<size_t>(threads > 0 ? threads : oneapi::tbb::info::default_concurrency())) {}
 
   /// True once the loop is to stop. Long bodies should poll it and return at once; their results are then
   /// discarded.
@@ -64,24 +69,43 @@ class BakeLoop {
   /// number done.
   template <class Body, class Continue>
   size_t over(size_t count, const Body& body, Continue keep_going) {
+    constexpr size_t kBlocksPerThread = 32, kMaxBlock = 64;
+    const size_t block = std::clamp<size_t>(count / (threads_ * kBlocksPerThread), 1, kMaxBlock);
     stopping_ = !keep_going(0);
-    std::atomic<size_t> done{0};
-    std::future<void> work = std::async(std::launch::async, [&] {
-      arena_.execute([&] {
-        oneapi::tbb::parallel_for(size_t{0}, count, [&](size_t i) {
-          if (stopping_) return;
+    std::atomic<size_t> next{0}, done{0};
+    const auto work = [&] {
+      while (!stopping_) {
+        const size_t first = next.fetch_add(block), last = std::min(first + block, count);
+        if (first >= count) return;
+        for (size_t i = first; i < last && !stopping_; ++i) {
           body(i);
           if (!stopping_) ++done;
-        });
-      });
-    });
-    while (work.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
-      if (!keep_going(done)) stopping_ = true;
-    work.get();
+        }
+      }
+    };
+    std::exception_ptr failure;
+    std::vector<std::future<void>> workers;
+    try {
+      while (workers.size() < std::min(threads_, count))
+        workers.push_back(std::async(std::launch::async, work));
+    } catch (const std::system_error&) {  // the system allows no more threads
+      if (workers.empty()) throw;
+    }
+    for (std::future<void>& worker : workers) {
+      while (worker.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
+        if (!keep_going(done)) stopping_ = true;
+      try {
+        worker.get();
+      } catch (...) {
+        stopping_ = true;
+        if (!failure) failure = std::current_exception();
+      }
+    }
+    if (failure) std::rethrow_exception(failure);
     return done;
   }
 
-  oneapi::tbb::task_arena arena_;
+  const size_t threads_;
   std::atomic<bool> stopping_{false};
 };
 

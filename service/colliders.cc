@@ -184,8 +184,8 @@ void ColliderMaker::stop() {
 }
 
 void ColliderMaker::work() {
-  constexpr int kNiceness = 10;
-  setpriority(PRIO_PROCESS, 0, kNiceness);  // applies to this thread and the threads that it starts
+  constexpr int kNiceness = 10;  // of this thread and of those that its bakes start and end (BakeLoop)
+  if (getpriority(PRIO_PROCESS, 0) < kNiceness) setpriority(PRIO_PROCESS, 0, kNiceness);
   for (;;) {
     Job job;
     {

@@ -2,11 +2,18 @@
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <map>
+#include <mutex>
+#include <thread>
 
 #include "collision/body_distance.h"
 #include "tests/collision/shapes.h"
@@ -173,9 +180,6 @@ TEST(FieldBake, StoredSamplesAreWithinHalfAUnitOfTheExactDistance) {
 }
 
 TEST(FieldBake, TheNumberOfThreadsChangesNoBit) {
-  // Without this, oneTBB uses no more threads than the machine has.
-  using oneapi::tbb::global_control;
-  const global_control five(global_control::max_allowed_parallelism, 5);
   TriangleMesh mesh = shapes::together(shapes::potato(0.05f, 3), shapes::sphere(0.03f, 2, {0.05f, 0, 0}));
   mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 10);  // open as well
   const DistanceField one = baked(mesh, 0.005f, 1);
@@ -185,6 +189,31 @@ TEST(FieldBake, TheNumberOfThreadsChangesNoBit) {
     EXPECT_EQ(other.samples, one.samples);
     EXPECT_EQ(std::memcmp(other.corners.data(), one.corners.data(), 4 * one.corners.size()), 0);
   }
+}
+
+TEST(FieldBake, ALowPriorityIsNotLeftToThreadsThatWorkAfterwards) {
+  const int own = getpriority(PRIO_PROCESS, 0);
+  if (own >= 19) GTEST_SKIP() << "no thread can be of a lower priority than this one";
+  // Without this, oneTBB uses no more threads than the machine has.
+  using oneapi::tbb::global_control;
+  const global_control four(global_control::max_allowed_parallelism, 4);
+  oneapi::tbb::task_arena arena(4);
+  arena.initialize();  // as a simulation's before its first step: workers that start now stay
+  std::thread([&] {
+    ASSERT_EQ(setpriority(PRIO_PROCESS, 0, own + 1), 0);  // on Linux, of this thread
+    baked(shapes::potato(0.05f, 3), 0.005f, 4);
+  }).join();
+  std::map<std::thread::id, int> priorities;
+  std::mutex mutex;
+  arena.execute([&] {
+    oneapi::tbb::parallel_for(0, 64, [&](int) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      const std::lock_guard lock(mutex);
+      priorities[std::this_thread::get_id()] = getpriority(PRIO_PROCESS, 0);
+    });
+  });
+  EXPECT_GT(priorities.size(), 1u);
+  for (const auto& [thread, priority] : priorities) EXPECT_EQ(priority, own);
 }
 
 TEST(FieldBake, AMeshTurnedInsideOutIsTakenAsItIsMeant) {
