@@ -502,8 +502,18 @@ StrandSet takeHairs(const SceneOptions& options, Scene& scene) {
   return hairs;
 }
 
-void bindSceneHairs(StrandSet hairs, Scene& scene) {
+/// Files and option of the hairs.
+std::string hairSource(const SceneOptions& options) {
+  const std::vector<std::filesystem::path> own = hairFiles(options),
+                                           &files = own.empty() ? options.groom : own;
+  const std::string more = files.size() > 1 ? fmt::format(" and {} more", files.size() - 1) : "";
+  return fmt::format("{}{} ({})", files.front().string(), more,
+                     options.hairs.empty() ? "--groom" : "--hair-files");
+}
+
+void bindSceneHairs(const SceneOptions& options, StrandSet hairs, Scene& scene) {
   if (hairs.strands() == 0) return;
+  scene.hairs.source = hairSource(options);
   hairs.pinned.clear();
   hairs.is_guide.clear();
   hairs.groups.clear();
@@ -543,7 +553,7 @@ Scene makeFileScene(const SceneOptions& options, const Progress& progress) {
     cleanStrands(scene.groom);
   }
   report(progress, "binding hairs to guides", 0.97);
-  bindSceneHairs(std::move(hairs), scene);
+  bindSceneHairs(options, std::move(hairs), scene);
   for (std::string& line : scene.groom.report.lines()) scene.notes.push_back(std::move(line));
   for (const std::string& line : scene.groom.report.warnings) scene.warnings.push_back(line);
   if (!strands.radii.empty())

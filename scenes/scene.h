@@ -76,6 +76,7 @@ struct SceneOptions {
 struct SceneHairs {
   StrandSet strands;                  ///< at rest, m, groom frame; in the order of their first guides
   std::vector<HairBinding> bindings;  ///< per strand
+  std::string source;                 ///< their files and option, for errors
 };
 
 /// Input of a simulation and a renderer, shared by daemon, tests and benchmarks.

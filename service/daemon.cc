@@ -36,6 +36,7 @@ HairDescription described(SceneHairs hairs) {
   out.ids = std::exchange(hairs.strands.ids, {});
   out.hairs = std::move(hairs.strands);
   out.bindings = std::move(hairs.bindings);
+  out.source = std::move(hairs.source);
   return out;
 }
 

@@ -57,7 +57,7 @@ class InProcessPublisher final : public Publisher {
   void announceHairs(const HairDescription& hairs) override {
     if (!groom_)
       throw Error("no groom was announced", "hairs of an in-process channel", "announce the groom first");
-    checkHairs(hairs, groom_->guides, "hairs of groom " + groom_->name);
+    checkHairs(hairs, groom_->guides, hairs.source.empty() ? "hairs of groom " + groom_->name : hairs.source);
     auto own = std::make_shared<HairDescription>(hairs);
     own->groom_id = groom_->groom_id;
     own->session = groom_->session;

@@ -42,6 +42,7 @@ struct HairDescription {
   std::vector<HairBinding> bindings;            ///< per hair
   std::vector<std::array<uint8_t, 3>> colours;  ///< per hair, reflectance, sRGB 0 to 255
   std::vector<uint32_t> ids;                    ///< per hair, the artist's id
+  std::string source;                           ///< files and option, for errors; not sent, empty at readers
 };
 
 inline bool isHairRadius(float radius) { return radius >= 0 && radius <= kThickestHair; }

@@ -177,6 +177,24 @@ TEST_F(FollowedGuides, ADaemonAnnouncesTheirHairs) {
   EXPECT_EQ(subscriber_->hairs(), hairs) << "once";
 }
 
+TEST_F(FollowedGuides, HairsOutOfReachAreRefusedWithFileOptionAndRemedy) {
+  StrandSet far = plate(false);
+  for (Vec3& p : far.strand(7)) p.x() += 3;
+  writeGroom(folder_ / "far.usda", far);
+  for (const auto& [options, source] :
+       {std::pair("--groom FOLDER/few.usda --hair-files FOLDER/far.usda", "far.usda (--hair-files)"),
+        std::pair("--groom FOLDER/far.usda --guides FOLDER/few.usda", "far.usda (--groom)")}) {
+    const Settings settings = settingsOf(options);
+    RecordingPublisher publisher(std::move(makeInProcessChannel(1).first));
+    publisher.open(folder_ / "far.rec", {});
+    Daemon daemon(settings, makeScene(settings.scene), publisher, newSession());
+    daemon.announce();
+    const std::string error = publisher.close();
+    for (const std::string part : {source, "root at 3.0", "--unit-meters", "--hair-error"})
+      EXPECT_NE(error.find(part), std::string::npos) << error;
+  }
+}
+
 TEST_F(FollowedGuides, AndTheirHairsAreRecordedAndReplayed) {
   const Settings settings = settingsOf("--groom FOLDER/marked.usda");
   const Scene scene = makeScene(settings.scene);

@@ -398,7 +398,7 @@ void AnnouncedGroom::accept(const GroomDescription& groom) {
 std::vector<HairChunk> AnnouncedGroom::chunksOf(const HairDescription& hairs) const {
   const std::string where = "hairs of groom " + std::to_string(groom_id_);
   if (!accepted_) throw Error("no groom was announced", where, "announce the groom first");
-  checkHairs(hairs, accepted_->guides, where);
+  checkHairs(hairs, accepted_->guides, hairs.source.empty() ? where : hairs.source);
   std::vector<HairChunk> chunks = encodeHairs(hairs, accepted_->guides, hair_error_);
   for (HairChunk& chunk : chunks) {
     chunk.groom_id = groom_id_;

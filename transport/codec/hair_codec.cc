@@ -4,7 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 #include "core/error.h"
 #include "transport/codec/bit_blocks.h"
@@ -137,6 +139,11 @@ struct HairGrid {
   std::array<float, 4> uv_box;
 };
 
+/// Where an error is: the source of the hairs, if it is known, and `what` about them.
+std::string placeOf(const HairDescription& hairs, const std::string& what) {
+  return hairs.source.empty() ? what : hairs.source + ", " + what;
+}
+
 /// Throws Error.
 HairGrid gridOf(const HairDescription& hairs, float max_error) {
   // A vertex is off by half the diagonal of a cell, and by the rounding of its last sum: on each axis by at
@@ -147,8 +154,10 @@ HairGrid gridOf(const HairDescription& hairs, float max_error) {
   const float bound = std::min(0.95f * max_error, 0.995f * max_error - rounding);
   HairGrid grid{std::min(bound * (2 / std::sqrt(3.0f)), kMaxHairStep), 0, {}};
   if (!(grid.step >= kMinHairStep))
-    throw Error("hairs lie too far from the origin for the wanted error", std::to_string(largest) + " m away",
-                "move the groom to the origin or allow a larger error");
+    throw Error("hairs lie too far from the origin for the wanted error",
+                placeOf(hairs, std::to_string(largest) + " m away"),
+                "check the unit (--unit-meters), move the groom to the origin, or allow a larger error "
+                "(--hair-error)");
   float thickest = 0;
   for (const float radius : hairs.hairs.radii) thickest = std::max(thickest, radius);
   grid.radius_step = std::max(20e-9f, thickest / 32767);
@@ -243,14 +252,21 @@ class HairCollector {
     for (size_t c = 0; c < 3; ++c) {
       const int32_t n = gridIndex(residual[static_cast<Eigen::Index>(c)], grid_.step);
       if (n != static_cast<int16_t>(n))
-        throw Error(
-            "a hair lies too far from its guide for the wanted error",
-            "hair " + std::to_string(h) + ", " + std::to_string(residual.norm()) + " m",
-            "check the unit of the hairs' file, bind the hair to a nearer guide, or allow a larger error");
+        throw Error("a hair lies too far from its guide for the wanted error", whereIs(h, residual),
+                    "check the unit of the hairs' file (--unit-meters), give guides near the hair, or allow "
+                    "a larger error (--hair-error)");
       put(plane + c, n);
       steps[static_cast<Eigen::Index>(c)] = static_cast<float>(n);
     }
     return steps;
+  }
+
+  std::string whereIs(size_t h, const Vec3& residual) const {
+    const Vec3 root = hairs_.hairs.strand(h)[0];
+    std::ostringstream text;
+    text << std::setprecision(3) << "hair " << h << " with its root at " << root.x() << ' ' << root.y() << ' '
+         << root.z() << ", " << residual.norm() << " m";
+    return placeOf(hairs_, text.str());
   }
 
   void addArrays(size_t h) {
@@ -339,8 +355,9 @@ std::vector<HairChunk> encodeHairs(const HairDescription& hairs, const StrandSet
     collector.clear();
   }
   if (chunks.size() > kMaxChunks)
-    throw Error("the hairs are too many for the network", std::to_string(strands.strands()) + " hairs",
-                "bind fewer hairs or allow a larger error");
+    throw Error("the hairs are too many for the network",
+                placeOf(hairs, std::to_string(strands.strands()) + " hairs"),
+                "give fewer hairs or allow a larger error (--hair-error)");
   for (HairChunk& chunk : chunks) chunk.chunk_count = static_cast<uint32_t>(chunks.size());
   return chunks;
 }

@@ -28,8 +28,9 @@ void checkHairs(const HairDescription& hairs, const StrandSet& guides, const std
 /// to kMaxHairError) of its place. Radii are exact to 10 nm or 1/65,000 of the largest, uvs to 1/130,000 of
 /// the range of all. Every `coder` writes the same bytes.
 ///
-/// Precondition: checkHairs() accepts the hairs, checkAnnouncement() the guides. Throws Error where a hair
-/// lies too far from its guide or from the origin for that error, or the hairs need more than kMaxChunks.
+/// Precondition: checkHairs() accepts the hairs, checkAnnouncement() the guides. Throws Error, naming
+/// HairDescription::source, where a hair lies too far from its guide or from the origin for that error, or
+/// the hairs need more than kMaxChunks.
 std::vector<HairChunk> encodeHairs(const HairDescription& hairs, const StrandSet& guides, float max_error,
                                    const StrandCoder& coder = strandCoder());
 

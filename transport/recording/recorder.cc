@@ -147,9 +147,10 @@ void Recorder::setGroom(const GroomDescription& groom, const BodyDescription& bo
 void Recorder::setHairs(const HairDescription& hairs) {
   const std::string where = path_.string() + ", hairs";
   if (guides_.vertices() == 0) throw Error("no groom is recorded", where, "record the groom first");
-  checkHairs(hairs, guides_, where);
+  checkHairs(hairs, guides_, hairs.source.empty() ? where : hairs.source);
   if (!is_open_) return;
   HairDescription own = hairs;
+  if (own.source.empty()) own.source = where;
   own.groom_id = options_.groom_id;
   own.session = session_;
   own.revision = revision_;
