@@ -119,6 +119,11 @@ void Replay::show(uint64_t number, double elapsed) {
   number_ = number;
   try {
     recording_.read(number, read_);
+    for (const std::string& warning : recording_.warningsOf(read_.damage)) {
+      if (std::find(warnings_.begin(), warnings_.end(), warning) != warnings_.end()) continue;
+      spdlog::warn("{}", warning);
+      warnings_.push_back(warning);
+    }
     publish(elapsed);
   } catch (const Error& error) {
     if (summary_.damaged++ == 0) spdlog::warn("{}", error.what());
@@ -344,6 +349,9 @@ class RecordedInputs final : public Publisher {
 
  private:
   void takeInputs() {
+    if (next_.damage.pose_names)
+      throw Error("the recording cannot be simulated again: names of its poses are damaged", name_,
+                  "replay it without --resimulate");
     inputs_.assign(next_.inputs.begin(), next_.inputs.end());
     poses_.assign(next_.poses.begin(), next_.poses.end());
   }

@@ -69,6 +69,7 @@ class Replay {
   Status status_;
   ReplaySummary summary_;
   std::shared_ptr<const GroomDescription> announced_;
+  std::vector<std::string> warnings_;  ///< of damaged descriptions, each logged once
   uint32_t revision_ = 0;
   uint64_t number_ = 0;           ///< of the frame that is shown
   std::optional<double> target_;  ///< s, position to seek to

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "daemon_fixture.h"
 #include "groom/bound_growth.h"
@@ -15,6 +16,7 @@
 #include "tests/io/scratch_folder.h"
 #include "tests/real_data.h"
 #include "transport/codec/hair_codec.h"
+#include "transport/message_bytes.h"
 #include "transport/recording/recorder.h"
 
 namespace strandcast {
@@ -223,6 +225,40 @@ TEST_F(FollowedGuides, AndTheirHairsAreRecordedAndReplayed) {
   RecordedFrame frame;
   Recording(folder_ / "b.rec").read(0, frame);
   EXPECT_TRUE(frame.hairs);
+}
+
+TEST_F(FollowedGuides, ARecordingReplaysWithoutHairsThatAreDamaged) {
+  const Settings settings = settingsOf("--groom FOLDER/marked.usda");
+  {
+    RecordingPublisher publisher(std::move(makeInProcessChannel(1).first));
+    publisher.open(folder_ / "a.rec", {});
+    Daemon daemon(settings, makeScene(settings.scene), publisher, newSession());
+    daemon.announce();
+    const std::atomic<bool> stop{false};
+    for (int i = 0; i < 3; ++i) daemon.castFrame(stop);
+    EXPECT_EQ(publisher.close(), "");
+  }
+  std::fstream file(folder_ / "a.rec", std::ios::binary | std::ios::in | std::ios::out);
+  for (uint64_t at = sizeof kRecordingMagic;;) {
+    uint8_t head[kRecordHeadBytes];
+    file.seekg(static_cast<std::streamoff>(at));
+    ASSERT_TRUE(file.read(reinterpret_cast<char*>(head), sizeof head));
+    if (loadBigEndian<RecordKind>(head) == RecordKind::kHairs) {
+      file.seekp(static_cast<std::streamoff>(at + kRecordHeadBytes + 100));
+      file.write("damage", 6);
+      break;
+    }
+    at += kRecordHeadBytes + loadBigEndian<uint32_t>(head + 4);
+  }
+  file.close();
+  Recording recording(folder_ / "a.rec");
+  auto [publisher, subscriber] = makeInProcessChannel(1);
+  const ReplaySummary summary = Replay(recording, *publisher, 1, 77, {100}).run(std::atomic<bool>{false});
+  EXPECT_EQ(summary.frames, 3u);
+  EXPECT_EQ(summary.damaged, 0u);
+  EXPECT_TRUE(subscriber->waitForGroom(std::chrono::milliseconds(100))) << "it waits for no hairs";
+  EXPECT_FALSE(subscriber->hairs());
+  EXPECT_EQ(subscriber->groom()->seeded, std::vector<uint8_t>(12, 0)) << "none from a seed instead";
 }
 
 /// Real grooms: 5 % of the strands carry all; at rest each is within the codec's error of the artist's hair.

@@ -10,6 +10,7 @@
 #include <random>
 #include <sstream>
 
+#include "bound_hairs.h"
 #include "core/error.h"
 #include "core/hash.h"
 #include "moving_hair.h"
@@ -297,6 +298,72 @@ TEST(RecordingTest, GridsThatWereCutAreNotThereAndDamagedOnesAreRefused) {
   EXPECT_TRUE(refuses(kOf + 40, {0x7f, 0xc0, 0, 0})) << "unit, not a number";
   EXPECT_TRUE(refuses(kOf + 40, {0xbf, 0x80, 0, 0})) << "unit below 0";
   EXPECT_TRUE(refuses(kOf + 72, {1, 2, 3, 4})) << "packed bytes";
+}
+
+/// A recording with hairs and poses, of which the first record of a kind is damaged.
+Recording withDamaged(RecordKind kind, uint32_t growth) {
+  const ScratchFolder folder;
+  GroomDescription groom = smallGroom();
+  groom.growth = growth;
+  {
+    RecordingOptions options;
+    options.codec.codec = Codec::kFloat32;
+    Recorder recorder(folder / "a.rec", options);
+    recorder.setGroom(groom, sampleBody(4));
+    recorder.setHairs(boundHairs(
+        groom.guides, 10, [](size_t h) { return 2 + h % 5; }, true));
+    for (uint64_t number = 1; number <= 4; ++number) {
+      StepPoses step;
+      step.step = number;
+      step.poses.source = 5;
+      step.poses.names = "head";
+      step.poses.ages = {0};
+      step.poses.poses = {0, 1, 0, 0, 0, 0, 1};
+      recorder.addPoses(step);
+      EXPECT_TRUE(recorder.addFrame(hairFrame(groom, number)));
+    }
+  }
+  std::vector<uint8_t> bytes = bytesOf(folder / "a.rec");
+  size_t at = sizeof kRecordingMagic;
+  while (loadBigEndian<RecordKind>(bytes.data() + at) != kind)
+    at += kRecordHeadBytes + loadBigEndian<uint32_t>(bytes.data() + at + 4);
+  bytes[at + kRecordHeadBytes + 9] ^= 0xff;
+  return Recording(std::make_unique<RecordingInMemory>(std::move(bytes)), "a.rec");
+}
+
+TEST(RecordingTest, OneDamagedDescriptionLeavesAllElseReadable) {
+  constexpr uint32_t kBoth = GroomDescription::kFromSeed | GroomDescription::kHairs;
+  for (const RecordKind kind : {RecordKind::kBody, RecordKind::kHairs, RecordKind::kPoseNames}) {
+    Recording recording = withDamaged(kind, kBoth);
+    ASSERT_EQ(recording.frames(), 4u);
+    for (const uint64_t number : {3u, 0u, 1u}) {
+      RecordedFrame read;
+      ASSERT_NO_THROW(recording.read(number, read));
+      EXPECT_EQ(read.frame->positions, hairFrame(smallGroom(), number + 1).positions);
+      ASSERT_TRUE(read.body);
+      EXPECT_EQ(read.body->mesh.positions.size(), kind == RecordKind::kBody ? 0u : 16u);
+      EXPECT_EQ(read.body->session, 11u);
+      EXPECT_EQ(read.hairs != nullptr, kind != RecordKind::kHairs);
+      EXPECT_EQ(read.groom->growth,
+                kind == RecordKind::kHairs ? uint32_t{GroomDescription::kFromSeed} : kBoth);
+      EXPECT_TRUE(read.groom->seeded.empty());
+      EXPECT_EQ(read.poses.size(), kind == RecordKind::kPoseNames ? 0u : 1u);
+      EXPECT_EQ(read.damage.body, kind == RecordKind::kBody);
+      EXPECT_EQ(read.damage.hairs, kind == RecordKind::kHairs);
+      EXPECT_EQ(read.damage.pose_names, kind == RecordKind::kPoseNames);
+      const std::vector<std::string> warnings = recording.warningsOf(read.damage);
+      ASSERT_EQ(warnings.size(), 1u);
+      EXPECT_NE(warnings[0].find("a.rec"), std::string::npos) << warnings[0];
+    }
+  }
+}
+
+TEST(RecordingTest, AGroomWhoseHairsAreDamagedGrowsNoneFromASeedUnlessItDid) {
+  RecordedFrame read;
+  withDamaged(RecordKind::kHairs, GroomDescription::kHairs).read(0, read);
+  EXPECT_EQ(read.groom->growth, GroomDescription::kFromSeed) << "a reader waits for nothing else";
+  EXPECT_EQ(read.groom->seeded, std::vector<uint8_t>(kStrands, 0));
+  EXPECT_NO_THROW(checkAnnouncement(*read.groom, *read.body, "test"));
 }
 
 TEST(RecordingTest, AnotherSessionBringsItsOwnGroom) {

@@ -196,44 +196,64 @@ bool Recording::readGroom(uint64_t offset) {
   groom_at_ = 0;
   shown_ = {};
   GroomAssembler grooms(head_.groom_id);
-  BodyAssembler bodies(head_.groom_id);
   RecordReader::Record record;
   uint64_t at = offset;
-  for (; (!shown_.groom || !shown_.body) && reader_.read(at, record); at = record.next) {
-    if (record.kind == RecordKind::kGroom && !shown_.groom) {
-      GroomChunk chunk;
-      if (!parseGroom(record.bytes, chunk)) return false;
-      shown_.groom = grooms.add(std::move(chunk));
-    } else if (record.kind == RecordKind::kBody) {
-      BodyChunk chunk;
-      if (!parseMessage(record.bytes, chunk)) return false;
-      shown_.body = bodies.add(std::move(chunk));
-    } else {
+  for (; !shown_.groom; at = record.next) {
+    GroomChunk chunk;
+    if (!reader_.read(at, record) || record.kind != RecordKind::kGroom || !parseGroom(record.bytes, chunk))
       return false;
-    }
+    shown_.groom = grooms.add(std::move(chunk));
   }
-  if (!shown_.groom || !shown_.body || shown_.groom->session != shown_.body->session ||
-      shown_.groom->revision != shown_.body->revision)
-    return false;
-  if (!readHairs(at)) return false;
+  readHairs(readBody(at));
   assembler_.setGroom(shown_.groom);
   groom_at_ = offset;
   return true;
 }
 
-/// The hairs that follow the groom, from the record after its body on. False where they are damaged.
-bool Recording::readHairs(uint64_t at) {
+/// Reads the groom's body, from the record after the groom on; an empty one where it is damaged. Returns the
+/// offset of the record after it.
+uint64_t Recording::readBody(uint64_t at) {
+  const GroomDescription& groom = *shown_.groom;
+  BodyAssembler bodies(head_.groom_id);
+  RecordReader::Record record;
+  for (; reader_.skim(at, record) && record.kind == RecordKind::kBody; at = record.next) {
+    BodyChunk chunk;
+    if (!shown_.body && reader_.read(at, record) && parseMessage(record.bytes, chunk))
+      shown_.body = bodies.add(std::move(chunk));
+  }
+  if (shown_.body && shown_.body->session == groom.session && shown_.body->revision == groom.revision)
+    return at;
+  shown_.damage.body = true;
+  auto none = std::make_shared<BodyDescription>();
+  none->groom_id = groom.groom_id;
+  none->session = groom.session;
+  none->revision = groom.revision;
+  shown_.body = std::move(none);
+  return at;
+}
+
+/// Reads the hairs that follow the groom, from the record after its body on. Without them a reader would wait
+/// for what the groom's growth names.
+void Recording::readHairs(uint64_t at) {
   HairAssembler hairs(head_.groom_id);
   hairs.setGroom(shown_.groom);
   RecordReader::Record record;
-  bool has_hairs = false;
-  for (; !shown_.hairs && reader_.skim(at, record) && record.kind == RecordKind::kHairs; at = record.next) {
-    has_hairs = true;
+  bool is_named = (shown_.groom->growth & GroomDescription::kHairs) != 0;
+  for (; reader_.skim(at, record) && record.kind == RecordKind::kHairs; at = record.next) {
+    is_named = true;
     HairChunk chunk;
-    if (!reader_.read(at, record) || !parseMessage(record.bytes, chunk)) return false;
-    shown_.hairs = hairs.add(std::move(chunk));
+    if (!shown_.hairs && reader_.read(at, record) && parseMessage(record.bytes, chunk))
+      shown_.hairs = hairs.add(std::move(chunk));
   }
-  return !has_hairs || shown_.hairs;
+  if (!is_named || shown_.hairs) return;
+  shown_.damage.hairs = true;
+  auto without = std::make_shared<GroomDescription>(*shown_.groom);
+  without->growth &= ~uint32_t{GroomDescription::kHairs};
+  if (without->growth == 0) {
+    without->growth = GroomDescription::kFromSeed;
+    without->seeded.assign(without->guides.strands(), 0);
+  }
+  shown_.groom = std::move(without);
 }
 
 const Recording::Block& Recording::blockOf(uint64_t number) const {
@@ -248,18 +268,28 @@ double Recording::timeOf(uint64_t number) {
   return indexOf(block, index) ? index->times[number - block.first_number] : block.first_time;
 }
 
-/// `offset`: of the record; its names come before it.
-bool Recording::parsePoses(std::span<const uint8_t> bytes, uint64_t offset, StepPoses& step) {
+bool Recording::readPoseNames(uint64_t offset) {
+  if (offset == pose_names_at_) return true;
+  RecordReader::Record record;
+  pose_names_at_ = 0;
+  if (!reader_.read(offset, record) || record.kind != RecordKind::kPoseNames ||
+      !parseRecord(record.bytes, pose_names_))
+    return false;
+  pose_names_at_ = offset;
+  return true;
+}
+
+/// Adds the poses to the frame. `offset`: of the record; its names come before it. False where it is damaged.
+bool Recording::parsePoses(std::span<const uint8_t> bytes, uint64_t offset, RecordedFrame& out) {
   PosesRecord read;
-  if (!parseRecord(bytes, read) || read.names < first_record_ || read.names >= offset) return false;
-  if (read.names != pose_names_at_) {
-    RecordReader::Record record;
-    pose_names_at_ = 0;
-    if (!reader_.read(read.names, record) || record.kind != RecordKind::kPoseNames ||
-        !parseRecord(record.bytes, pose_names_))
-      return false;
-    pose_names_at_ = read.names;
+  if (out.poses.size() == kMaxPosesPerFrame || !parseRecord(bytes, read) || read.names < first_record_ ||
+      read.names >= offset)
+    return false;
+  if (!readPoseNames(read.names)) {
+    out.damage.pose_names = true;
+    return true;
   }
+  StepPoses& step = out.poses.emplace_back();
   step.step = read.step;
   step.is_cut = (read.flags & kCutFlag) != 0;
   PoseSamples& poses = step.poses;
@@ -306,15 +336,16 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
   out.groom = shown_.groom;
   out.body = shown_.body;
   out.hairs = shown_.hairs;
+  out.damage = shown_.damage;
   out.inputs.clear();
   out.poses.clear();
   RecordReader::Record record;
   uint64_t at = index->offsets[number - block.first_number];
-  for (; reader_.read(at, record) && isInput(record.kind); at = record.next) {
+  for (; reader_.skim(at, record) && isInput(record.kind); at = record.next) {
     if (record.kind == RecordKind::kPoseNames) continue;
+    if (!reader_.read(at, record)) return false;
     if (record.kind == RecordKind::kPoses) {
-      if (out.poses.size() == kMaxPosesPerFrame || !parsePoses(record.bytes, at, out.poses.emplace_back()))
-        return false;
+      if (!parsePoses(record.bytes, at, out)) return false;
       continue;
     }
     Command command;
@@ -322,8 +353,8 @@ bool Recording::readFrame(uint64_t number, RecordedFrame& out) {
       return false;
     out.inputs.push_back(std::move(command));
   }
-  if (record.kind != RecordKind::kFrame || !parseFrame(record.bytes, out.record) ||
-      out.record.number != number)
+  if (!reader_.read(at, record) || record.kind != RecordKind::kFrame ||
+      !parseFrame(record.bytes, out.record) || out.record.number != number)
     return false;
 
   assembler_.restart();
@@ -352,6 +383,19 @@ bool Recording::findEnd(uint64_t number, uint64_t& end) {
     if (!reader_.skim(record.next, record) || record.kind != RecordKind::kGuides) return false;
   end = record.next;
   return true;
+}
+
+std::vector<std::string> Recording::warningsOf(const RecordedDamage& damage) const {
+  std::vector<std::string> lines;
+  const auto add = [&](bool is_damaged, const char* what, const char* instead) {
+    if (is_damaged) lines.emplace_back(Error(what, name_, instead).what());
+  };
+  add(damage.body, "the body of the recording is damaged", "it is shown without a body");
+  add(damage.hairs, "the hairs that follow the recorded guides are damaged or missing",
+      "it is shown without them");
+  add(damage.pose_names, "names of the recorded poses are damaged",
+      "it can be shown, but not simulated again");
+  return lines;
 }
 
 void Recording::fail(uint64_t number) const {

@@ -13,15 +13,24 @@
 
 namespace strandcast {
 
+/// Descriptions that are damaged in the file. Frames are read without them.
+struct RecordedDamage {
+  bool body = false;        ///< it is empty instead
+  bool hairs = false;       ///< those that follow guides, also where they are missing
+  bool pose_names = false;  ///< the poses that are in their order are left out
+};
+
 /// One frame of a recording.
 struct RecordedFrame {
   FrameRecord record;
   std::shared_ptr<const GuideFrame> frame;
   std::vector<Command> inputs;   ///< executed since the frame before
   std::vector<StepPoses> poses;  ///< of the steps since the frame before that live sources posed
+  /// Where its hairs are damaged, its growth names none: hair grows from a seed if that was named too.
   std::shared_ptr<const GroomDescription> groom;
   std::shared_ptr<const BodyDescription> body;
   std::shared_ptr<const HairDescription> hairs;  ///< that follow the groom; null: none
+  RecordedDamage damage;                         ///< of what describes this frame
 };
 
 /// Reads a recording in any order. The file is not trusted: memory is that of one frame, one groom and a few
@@ -39,6 +48,8 @@ class Recording {
   double seconds() const { return seconds_; }  ///< of simulation, from the first frame to the last
   bool isCut() const { return is_cut_; }       ///< it was not closed, or its end is missing or damaged
   uint64_t bytes() const { return reader_.size(); }
+  /// A line for each description that is damaged.
+  std::vector<std::string> warningsOf(const RecordedDamage& damage) const;
 
   /// The last frame that is not later than this; 0 before the first.
   uint64_t frameAt(double seconds);
@@ -62,6 +73,7 @@ class Recording {
     std::shared_ptr<const GroomDescription> groom;
     std::shared_ptr<const BodyDescription> body;
     std::shared_ptr<const HairDescription> hairs;
+    RecordedDamage damage;
   };
 
   void readHead();
@@ -73,8 +85,10 @@ class Recording {
   /// Loads the index of a block; false where it is damaged.
   bool indexOf(const Block& block, const IndexRecord*& index);
   bool readGroom(uint64_t offset);
-  bool readHairs(uint64_t at);
-  bool parsePoses(std::span<const uint8_t> bytes, uint64_t offset, StepPoses& step);
+  uint64_t readBody(uint64_t at);
+  void readHairs(uint64_t at);
+  bool readPoseNames(uint64_t offset);
+  bool parsePoses(std::span<const uint8_t> bytes, uint64_t offset, RecordedFrame& out);
   // By the version of the file.
   bool parseGroom(std::span<const uint8_t> bytes, GroomChunk& chunk) const;
   bool parseFrame(std::span<const uint8_t> bytes, FrameRecord& record) const;
