@@ -125,7 +125,7 @@ int runBound(const RenderOptions& o) {
   settings.scene.groom = o.bound;
   settings.scene.units.unit_meters = o.unit_meters;
   BoundHairTrial trial(settings, kStrandsPerGuide);
-  const double rest = trial.worstAtRest();
+  const double rest = trial.worstAtRest(), coded_rest = trial.worstAtRest(CodecOptions());
   const StrandSet& guides = trial.guides();
   GuideNodes nodes(trial.nodes().segments());
   nodes.setGroom(guides, true);
@@ -154,11 +154,13 @@ int runBound(const RenderOptions& o) {
                        {"wire_bytes", "sent bytes"},
                        {"hair_bytes", "a hair", "{:.1f}"},
                        {"rest_mm", "at rest, worst mm", "{:.4f}"},
+                       {"rest_delta16_mm", "over delta16", "{:.4f}"},
                        {"shader_um", "shader, worst um", "{:.2f}"},
                        {"bound_mm", "bound mm", "{:.2f}"},
                        {"seeded_mm", "seed-grown mm", "{:.2f}"},
                        {"motion_mm", "motion mm", "{:.2f}"},
-                       {"stretch", "stretch", "{:.4f}"}});
+                       {"stretch", "stretch", "{:.4f}"},
+                       {"leaving_rest_mm", "leaving rest, mm", "{:.4f}"}});
   bench.table.add({{"case", "bound"},
                    {"device", context.renderer()},
                    {"guides", guides.strands()},
@@ -172,11 +174,13 @@ int runBound(const RenderOptions& o) {
                    {"wire_bytes", trial.wireBytes()},
                    {"hair_bytes", static_cast<double>(trial.wireBytes()) / hairs},
                    {"rest_mm", 1e3 * rest},
+                   {"rest_delta16_mm", 1e3 * coded_rest},
                    {"shader_um", 1e6 * shaken.worst_shader},
                    {"bound_mm", 1e3 * shaken.bound},
                    {"seeded_mm", 1e3 * shaken.seeded},
                    {"motion_mm", 1e3 * shaken.motion},
-                   {"stretch", shaken.stretch}});
+                   {"stretch", shaken.stretch},
+                   {"leaving_rest_mm", 1e3 * shaken.settled}});
   print(bench, o.print);
   return 0;
 }

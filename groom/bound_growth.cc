@@ -71,7 +71,7 @@ bool isUsable(std::span<const Vec3> points) {
 }  // namespace
 
 BoundHairReference::BoundHairReference(const StrandSet& rest_guides, std::span<const Vec3> positions,
-                                       std::span<const Quat> root_rotations, int segments)
+                                       std::span<const Pose> roots, int segments)
     : segments_(segments),
       lengths_(rest_guides.strands(), -1),
       nodes_(rest_guides.strands() * (static_cast<size_t>(segments) + 1)) {
@@ -81,10 +81,20 @@ BoundHairReference::BoundHairReference(const StrandSet& rest_guides, std::span<c
                                 now = positions.subspan(rest_guides.offsets[g], rest.size());
     if (!isUsable(rest) || !isUsable(now)) continue;
     lengths_[g] = knotsOf(rest, knots);
-    const std::vector<Eigen::Vector3d> at_rest = nodesOf(rest, knots, segments),
-                                       at_present = nodesOf(now, knots, segments);
+    const std::vector<Eigen::Vector3d> at_rest = nodesOf(rest, knots, segments);
+    std::vector<Eigen::Vector3d> at_present = nodesOf(now, knots, segments);
+    f64::quat rotation = f64::normalizeQuat(toLanes(roots[g].rotation.cast<double>()));
+    const f64::real3 moved = toLanes(roots[g].position.cast<double>());
+    const auto carried = [&](size_t i) {
+      return f64::carriedPoint(moved, rotation, {0, 0, 0}, toLanes(at_rest[i]));
+    };
+    double farthest = 0;
+    for (size_t i = 0; i < at_rest.size(); ++i)
+      farthest = std::max(farthest, (at_present[i] - fromLanes(carried(i))).norm());
+    const double share = f64::motionShare(farthest);
+    for (size_t i = 0; i < at_rest.size(); ++i)
+      at_present[i] = fromLanes(f64::settledNode(toLanes(at_present[i]), carried(i), share));
     const std::vector<f64::real3> rest_tangents = secantsOf(at_rest), tangents = secantsOf(at_present);
-    f64::quat rotation = f64::normalizeQuat(toLanes(root_rotations[g].cast<double>()));
     Node* const nodes = &nodes_[g * (static_cast<size_t>(segments) + 1)];
     for (size_t i = 0; i < at_rest.size(); ++i) {
       // The root's rotation stays as given: a clamped root bends behind its frame.

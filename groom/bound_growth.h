@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry.h"
 #include "core/strand_set.h"
 
 namespace strandcast {
@@ -13,8 +14,9 @@ namespace strandcast {
 /// tests and validation. Slow.
 ///
 /// A guide has S + 1 nodes at equal parts of its rest arc length, on the same curve as render/guide_nodes.h.
-/// Node i is at P_i, and at P'_i at rest. Its rotation q_i from rest is that of the root, carried from node
-/// to node (nodeRotation). Tangents of nodes are secants over S / 8 nodes to both sides, because edges of
+/// Node i is at P_i, and at P'_i at rest. A guide whose nodes are all near where its root's motion carries
+/// them counts as at rest (motionShare). Its rotation q_i from rest is that of the root, carried from node to
+/// node (nodeRotation). Tangents of nodes are secants over S / 8 nodes to both sides, because edges of
 /// received guides are noisy. A hair of length L has at arc length s the vertex x at rest. Its place on guide
 /// k, of length L_k, is u = s / max(L, L_k), between the nodes i and i + 1 with f = S u - i:
 ///
@@ -23,10 +25,11 @@ namespace strandcast {
 /// Where the guides are at rest the hair is too, whatever S is. Where they move rigidly it does the same.
 class BoundHairReference {
  public:
-  /// `positions`: m, world, vertices of all guides, as in a frame. `root_rotations`: per guide, unit, from
-  /// the groom's rest frame to the world. `segments`: S, 1 or more. Holds no reference to the arguments.
+  /// `positions`: m, world, vertices of all guides, as in a frame. `roots`: per guide, the motion of its root
+  /// from the groom's rest frame to the world: that of the head, or of the skin under it. `segments`: S, 1 or
+  /// more. Holds no reference to the arguments.
   BoundHairReference(const StrandSet& rest_guides, std::span<const Vec3> positions,
-                     std::span<const Quat> root_rotations, int segments);
+                     std::span<const Pose> roots, int segments);
 
   struct Vertex {
     Eigen::Vector3d position;  ///< m, world

@@ -25,32 +25,40 @@ void GuideRoots::setObstacles(std::span<const HairObstacle> obstacles) {
   binding_ = BodyBinding(rest_, parts_);
 }
 
-Vec3 GuideRoots::carried(size_t guide, const Vec3& direction, const Vec3& root, const Pose& head) const {
+float GuideRoots::shareOfParts(size_t guide, const Vec3& root, const Pose& head) const {
   constexpr float kSame = 1e-8f;  // m^2, regularises the share; the root goes with the parts where both
                                   // predictions match
-  const Vec3 &rest = rest_[guide], with_head = head.rotate(direction);
-  const Vec3 with_parts = binding_.normal(guide, rest, direction);
+  const Vec3& rest = rest_[guide];
   const float off_head = (root - head.apply(rest)).squaredNorm(),
               off_parts = (root - binding_.position(guide, rest)).squaredNorm();
-  const float share = (off_head + kSame) / (off_head + off_parts + kSame);
+  return (off_head + kSame) / (off_head + off_parts + kSame);
+}
+
+Vec3 GuideRoots::carried(size_t guide, const Vec3& direction, float share, const Pose& head) const {
+  const Vec3 with_head = head.rotate(direction);
+  const Vec3 with_parts = binding_.normal(guide, rest_[guide], direction);
   const Vec3 result = with_head + share * (with_parts - with_head);
   return result.allFinite() ? result : with_head;
 }
 
 Vec3 GuideRoots::normal(size_t guide, const Vec3& root, const Pose& head) const {
-  return carried(guide, frames_[guide].normal, root, head);
+  return carried(guide, frames_[guide].normal, shareOfParts(guide, root, head), head);
 }
 
-Quat GuideRoots::rotation(size_t guide, const Vec3& root, const Pose& head) const {
+Pose GuideRoots::motion(size_t guide, const Vec3& root, const Pose& head) const {
   const RootFrame& rest = frames_[guide];
+  const float share = shareOfParts(guide, root, head);
   Eigen::Matrix3f before, after;
-  const Eigen::Vector3f normal = carried(guide, rest.normal, root, head).normalized(),
-                        side = carried(guide, rest.binormal, root, head),
+  const Eigen::Vector3f normal = carried(guide, rest.normal, share, head).normalized(),
+                        side = carried(guide, rest.binormal, share, head),
                         binormal = (side - normal * normal.dot(side)).normalized();
   before << rest.normal, rest.binormal, rest.normal.cross(rest.binormal);
   after << normal, binormal, normal.cross(binormal);
   const Quat rotation = Quat(Eigen::Matrix3f(after * before.transpose())).normalized();
-  return rotation.coeffs().allFinite() ? rotation : head.rotation;
+  if (!rotation.coeffs().allFinite()) return head;
+  const Vec3 &place = rest_[guide], with_head = head.apply(place);
+  const Vec3 now = with_head + share * (binding_.position(guide, place) - with_head);
+  return {now - rotation * place, rotation};
 }
 
 namespace {
@@ -84,7 +92,8 @@ void GuideNodes::setGroom(const StrandSet& guides, bool carry_hairs) {
   for (size_t g = 0; g < guides.strands(); ++g) {
     const auto points = guides.strand(g);
     appendKnots(points, knots);
-    described[g] = {guides.offsets[g], static_cast<uint32_t>(points.size()), 0, 0, {}, arcLength(points), {}};
+    described[g] = {
+        guides.offsets[g], static_cast<uint32_t>(points.size()), 0, 0, {}, arcLength(points), {}, {}};
   }
   const size_t node_bytes = guides.strands() * (segments_ + 1) * 3 * sizeof(float[4]);
   GLint64 largest = 0;
@@ -102,7 +111,7 @@ void GuideNodes::setGroom(const StrandSet& guides, bool carry_hairs) {
   guide_buffer_ = gl::Buffer(std::span<const Guide>(guides_));
   node_buffer_ = gl::Buffer(node_bytes, nullptr, 0);
   carries_hairs_ = carry_hairs && !guides_.empty();
-  motion_buffer_ = gl::Buffer(carries_hairs_ ? node_bytes / 3 * 2 : 0, nullptr, 0);
+  motion_buffer_ = gl::Buffer(carries_hairs_ ? node_bytes : 0, nullptr, 0);
   if (carries_hairs_) makeRestNodes(guides.positions);
 }
 
@@ -152,9 +161,10 @@ size_t GuideNodes::update(std::span<const Vec3> positions, const Pose& head,
                                            : roots_.restNormal(g);
     std::copy(normal.begin(), normal.end(), guide.root_normal);
     if (!carries_hairs_) continue;
-    const Quat root =
-        guide.carried != 0 ? roots_.rotation(g, positions[guide.first], {head.position, turn}) : turn;
-    std::copy_n(root.coeffs().data(), 4, guide.root_rotation);
+    const Pose with_head{head.position, turn};
+    const Pose root = guide.carried != 0 ? roots_.motion(g, positions[guide.first], with_head) : with_head;
+    std::copy_n(root.rotation.coeffs().data(), 4, guide.root_rotation);
+    if (root.position.allFinite()) std::copy(root.position.begin(), root.position.end(), guide.root_position);
   }
   guide_buffer_.write(std::span<const Guide>(guides_));
   const gl::Program& program = carries_hairs_ ? *carrying_program_ : program_;

@@ -27,11 +27,13 @@ class GuideRoots {
   bool carries(size_t guide) const { return binding_.holds(guide); }
   /// The normal of a carried root whose position is `root` (m, world); of any length.
   Vec3 normal(size_t guide, const Vec3& root, const Pose& head) const;
-  /// The rotation of a carried root from rest, unit.
-  Quat rotation(size_t guide, const Vec3& root, const Pose& head) const;
+  /// The motion from rest of a carried root whose position is `root`: its place is where the parts and the
+  /// head carry it, which the error of a codec does not move.
+  Pose motion(size_t guide, const Vec3& root, const Pose& head) const;
 
  private:
-  Vec3 carried(size_t guide, const Vec3& direction, const Vec3& root, const Pose& head) const;
+  float shareOfParts(size_t guide, const Vec3& root, const Pose& head) const;
+  Vec3 carried(size_t guide, const Vec3& direction, float share, const Pose& head) const;
 
   std::vector<Vec3> rest_;         ///< m, roots of the guides at rest; origin for a guide without vertices
   std::vector<RootFrame> frames_;  ///< at rest
@@ -45,9 +47,10 @@ class GuideRoots {
 /// by double reflection (kernels/hair.h). A node is three vec4: position (w: 1 where the guide is usable),
 /// derivative with respect to the arc parameter, unit normal.
 ///
-/// Bound hairs also need each node at rest and its rotation from there (groom/bound_growth.h): two more vec4,
-/// position at rest (w: length of the guide, m) and rotation, in a buffer of their own. The same shader makes
-/// the nodes at rest, so a guide at rest moves its hairs by nothing.
+/// Bound hairs also need each node at rest and its motion from there (groom/bound_growth.h): three more vec4,
+/// position at rest (w: length of the guide, m), position (w: 1 where usable) and rotation, in a buffer of
+/// their own. The same shader makes the nodes at rest, so a guide at rest moves its hairs by nothing. A guide
+/// near rest counts as at rest (motionShare), so the error of a codec does not move them either.
 class GuideNodes {
  public:
   /// `segments`: per guide, at least 1; a guide has segments + 1 nodes. Throws Error.
@@ -79,8 +82,9 @@ class GuideNodes {
     /// At the root, perpendicular to the rest tangent. Groom's rest frame; where `carried`, world and of any
     /// length.
     float root_normal[3];
-    float length;            ///< m, at rest
-    float root_rotation[4];  ///< from the groom's rest frame to the world; only where hairs are carried
+    float length;  ///< m, at rest
+    /// The root's motion from the groom's rest frame to the world; only where hairs are carried.
+    float root_rotation[4], root_position[4];
   };
 
   void makeRestNodes(std::span<const Vec3> positions);

@@ -13,6 +13,8 @@
 #include "render/shader_validation.h"
 #include "scenes/scene.h"
 #include "service/scene_simulation.h"
+#include "transport/codec/guide_decoder.h"
+#include "transport/codec/guide_encoder.h"
 #include "transport/codec/hair_codec.h"
 
 namespace strandcast {
@@ -136,8 +138,20 @@ std::vector<Vec3> BoundHairTrial::grownBound() const {
   return positions;
 }
 
-double BoundHairTrial::worstAtRest() {
-  grow(guides_.positions, {});
+double BoundHairTrial::worstAtRest(const CodecOptions& codec) {
+  GuideFrame frame;
+  frame.positions = guides_.positions;
+  GuideEncoder encoder(codec);
+  encoder.setGroom(guides_);
+  GuideDecoder decoder;
+  decoder.setGroom(guides_);
+  std::vector<Vec3> received(guides_.vertices());
+  encoder.encodeAll(frame, [&](GuideChunk& chunk) {
+    const std::span<Vec3> part = std::span(received).subspan(chunk.first_vertex, chunk.vertex_count);
+    if (decoder.decode(chunk, part) != DecodeResult::kDone)
+      throw Error("guides that were encoded do not decode", scene_.name, "report this as a bug");
+  });
+  grow(received, {});
   const std::vector<Vec3> grown = grownBound();
   double worst = 0;
   for (size_t v = 0; v < grown.size(); ++v)
@@ -168,14 +182,19 @@ BoundHairTrial::Shaken BoundHairTrial::shake() {
     grow(carriers, head);
     seeded.grow(nodes_);
     const std::vector<Vec3> grown = grownBound();
-    const BoundHairReference reference(guides_, carriers, std::vector<Quat>(guides_.strands(), head.rotation),
-                                       kNodeSegments);
+    const auto referenceOf = [&](const Pose& root) {
+      return BoundHairReference(guides_, carriers, std::vector<Pose>(guides_.strands(), root), kNodeSegments);
+    };
+    const BoundHairReference reference = referenceOf(head);
+    // No guide is near rest where the root's motion leads a metre away.
+    const BoundHairReference unsettled = referenceOf({head.position + Vec3(1, 0, 0), head.rotation});
     for (size_t s = 0; s < strands().strands(); ++s) {
       const std::span<const Vec3> rest = strands().strand(s);
       const size_t first = strands().offsets[s];
       const float length = arcLength(rest);
       float run = 0;
       const auto exact = reference.grow(received_.hairs.strand(s), received_.bindings[s]);
+      const auto own = unsettled.grow(received_.hairs.strand(s), received_.bindings[s]);
       for (size_t j = 0; j < rest.size(); ++j) {
         if (j > 0) run += (rest[j] - rest[j - 1]).norm();
         const Vec3& place = truth[first + j];
@@ -185,6 +204,7 @@ BoundHairTrial::Shaken BoundHairTrial::shake() {
         motion.add(static_cast<double>((head.apply(rest[j]) - place).squaredNorm()));
         result.worst_shader =
             std::max(result.worst_shader, (grown[first + j].cast<double>() - exact[j].position).norm());
+        result.settled = std::max(result.settled, (exact[j].position - own[j].position).norm());
       }
       const double change = static_cast<double>(
           arcLength(std::span<const Vec3>(grown).subspan(first, rest.size())) / std::max(length, 1e-9f) - 1);

@@ -5,6 +5,7 @@
 #include "options/settings.h"
 #include "render/hair_pass.h"
 #include "scenes/scene.h"
+#include "transport/codec/codec.h"
 #include "transport/messages.h"
 
 namespace strandcast {
@@ -23,8 +24,8 @@ class BoundHairTrial {
   const HairDescription& hairs() const { return received_; }  ///< as a receiver has them
   size_t wireBytes() const { return wire_bytes_; }            ///< of all chunks' payloads
 
-  /// m, largest distance of a drawn vertex from the artist's, where guides are at rest.
-  double worstAtRest();
+  /// m, largest distance of a drawn vertex from the artist's, where guides are at rest, as a reader has them.
+  double worstAtRest(const CodecOptions& guides = {Codec::kFloat32});
 
   /// Hair during a shake of the head of a second, RMS over all vertices and times.
   struct Shaken {
@@ -33,6 +34,7 @@ class BoundHairTrial {
     double seeded = 0;        ///< m, of the seed-grown hair with the nearest root, from the simulated strand
     double motion = 0;        ///< m, of simulated strands from where the head alone carries them
     double stretch = 0;       ///< relative change of length of a bound hair, RMS over hairs
+    double settled = 0;       ///< m, largest change by guides that count as at rest (motionShare)
   };
   /// Simulates every strand, and the guides alone.
   Shaken shake();

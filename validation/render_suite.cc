@@ -92,7 +92,7 @@ const std::vector<std::string> kBoundScenes{"straight", "curly", "ponytail"};
 std::vector<std::string> boundNames() {
   std::vector<std::string> names;
   for (const std::string& scene : kBoundScenes)
-    for (const char* what : {"rest", "shader", "shake"})
+    for (const char* what : {"rest", "rest over delta16", "shader", "shake", "leaving rest"})
       names.push_back(fmt::format("bound: {}, {}", scene, what));
   return names;
 }
@@ -116,6 +116,9 @@ std::vector<Case> boundCases(const Laboratory& laboratory) {
                      kMillimetre * trial.worstAtRest(), 0, 0.05));
     cases.back().note = fmt::format("{} hairs of {} guides, {:.1f} bytes a hair", hairs,
                                     trial.guides().strands(), static_cast<double>(trial.wireBytes()) / hairs);
+    cases.push_back(absoluteCase({fmt::format("bound: {}, rest over delta16", scene),
+                                  "the same, where guides come through their default codec, too", "mm"},
+                                 kMillimetre * trial.worstAtRest(CodecOptions()), 0, 0.05));
     const BoundHairTrial::Shaken shaken = trial.shake();
     cases.push_back(absoluteCase({fmt::format("bound: {}, shader", scene),
                                   "worst distance from double precision while the head shakes", "um"},
@@ -128,6 +131,10 @@ std::vector<Case> boundCases(const Laboratory& laboratory) {
         fmt::format("bound {:.2f} mm, seed-grown {:.2f} mm, motion {:.2f} mm; lengths change by {:.2f} %",
                     kMillimetre * shaken.bound, kMillimetre * shaken.seeded, kMillimetre * shaken.motion,
                     100 * shaken.stretch);
+    cases.push_back(
+        absoluteCase({fmt::format("bound: {}, leaving rest", scene),
+                      "largest change of a shaken hair by guides that count as at rest near it", "mm"},
+                     kMillimetre * shaken.settled, 0, 0.1));
   }
   return cases;
 }

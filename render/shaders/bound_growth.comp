@@ -26,15 +26,15 @@ struct Carried {
 void carry(inout Carried sum, uint guide, float weight, float along, float arc_length, vec3 rest, vec3 tangent) {
   if (weight <= 0.0) return;
   uint first = guide * (growth.segments + 1u);
-  float guide_length = motions[2u * first].w, place = placeOnGuide(along, arc_length, guide_length) * float(growth.segments);
+  float guide_length = motions[3u * first].w, place = placeOnGuide(along, arc_length, guide_length) * float(growth.segments);
   uint i = min(uint(place), growth.segments - 1u);
   float f = place - float(i);
-  sum.usable = sum.usable && nodes[3u * first].w > 0.5 && guide_length >= 0.0;
+  sum.usable = sum.usable && motions[3u * first + 1u].w > 0.5 && guide_length >= 0.0;
   for (uint end = 0u; end < 2u; ++end) {
     uint node = first + i + end;
     float share = weight * (end == 0u ? 1.0 - f : f);
-    vec4 rotation = motions[2u * node + 1u];
-    sum.position += share * carriedPoint(nodes[3u * node].xyz, rotation, motions[2u * node].xyz, rest);
+    vec4 rotation = motions[3u * node + 2u];
+    sum.position += share * carriedPoint(motions[3u * node + 1u].xyz, rotation, motions[3u * node].xyz, rest);
     sum.tangent += share * rotate(rotation, tangent);
   }
 }

@@ -9,15 +9,16 @@ layout(local_size_x = 32) in;
 
 struct Guide {
   uint first, count, usable, carried;
-  vec4 root_normal;  // w: length of the guide at rest, m
-  vec4 root_rotation;
+  vec4 root_normal;                   // w: length of the guide at rest, m
+  vec4 root_rotation, root_position;  // its motion from rest
 };
 layout(std430, binding = 0) readonly buffer GuidePositions { float positions[]; };
 layout(std430, binding = 1) readonly buffer GuideKnots { float knots[]; };
 layout(std430, binding = 2) readonly buffer Guides { Guide guides[]; };
 layout(std430, binding = 3) buffer Nodes { vec4 nodes[]; };
 #if defined(REST) || defined(CARRY)
-layout(std430, binding = 12) buffer NodeMotions { vec4 motions[]; };  // position at rest (w: length, -1 unusable), rotation
+// Position at rest (w: length, -1 unusable), position (w: 1 where usable), rotation.
+layout(std430, binding = 12) buffer NodeMotions { vec4 motions[]; };
 #endif
 uniform mat4 head_rotation;
 uniform uint guide_count;
@@ -61,17 +62,26 @@ vec3 anyNormal(vec3 unit) {
 void secantsAt(uint guide, uint node, out vec3 rest, out vec3 present) {
   uint reach = max(segments / 8u, 1u), first = guide * (segments + 1u);
   uint low = first + node - min(node, reach), high = first + min(node + reach, segments);
-  rest = normalizeOrZero(motions[2u * high].xyz - motions[2u * low].xyz);
-  present = normalizeOrZero(nodes[3u * high].xyz - nodes[3u * low].xyz);
+  rest = normalizeOrZero(motions[3u * high].xyz - motions[3u * low].xyz);
+  present = normalizeOrZero(motions[3u * high + 1u].xyz - motions[3u * low + 1u].xyz);
 }
 
 // As BoundHairReference (groom/bound_growth.h): the root's rotation stays as given, a clamped root bends behind it.
-void carryRotation(uint guide, quat rotation) {
+void carryMotion(uint guide, quat rotation, vec3 moved) {
+  uint first = guide * (segments + 1u);
+  float farthest = 0.0;
+  for (uint node = first; node <= first + segments; ++node)
+    farthest = max(farthest, distance(nodes[3u * node].xyz, carriedPoint(moved, rotation, vec3(0), motions[3u * node].xyz)));
+  float share = motionShare(farthest);
+  for (uint node = first; node <= first + segments; ++node) {
+    vec3 rest = carriedPoint(moved, rotation, vec3(0), motions[3u * node].xyz);
+    motions[3u * node + 1u] = vec4(settledNode(nodes[3u * node].xyz, rest, share), 1);
+  }
   for (uint i = 0u; i <= segments; ++i) {
     vec3 rest, present;
     secantsAt(guide, i, rest, present);
     if (i > 0u) rotation = nodeRotation(rotation, rest, present);
-    motions[2u * (guide * (segments + 1u) + i) + 1u] = vec4(rotation.x, rotation.y, rotation.z, rotation.w);
+    motions[3u * (first + i) + 2u] = vec4(rotation.x, rotation.y, rotation.z, rotation.w);
   }
 }
 #endif
@@ -84,7 +94,10 @@ void main() {
   if (guide.usable == 0u) {
     for (uint i = 0u; i < 3u * (segments + 1u); ++i) nodes[base + i] = vec4(0);
 #ifdef REST
-    for (uint i = 0u; i <= segments; ++i) motions[2u * (g * (segments + 1u) + i)] = vec4(0, 0, 0, -1);
+    for (uint i = 0u; i <= segments; ++i) motions[3u * (g * (segments + 1u) + i)] = vec4(0, 0, 0, -1);
+#endif
+#ifdef CARRY
+    for (uint i = 0u; i <= segments; ++i) motions[3u * (g * (segments + 1u) + i) + 1u] = vec4(0);
 #endif
     return;
   }
@@ -104,7 +117,7 @@ void main() {
     last_position = position;
     last_tangent = tangent;
 #ifdef REST
-    motions[2u * (g * (segments + 1u) + i)] = vec4(position, guide.root_normal.w);
+    motions[3u * (g * (segments + 1u) + i)] = vec4(position, guide.root_normal.w);
 #else
     nodes[base + 3u * i] = vec4(position, 1);
     nodes[base + 3u * i + 1u] = vec4(derivative, 0);
@@ -113,6 +126,6 @@ void main() {
   }
 #ifdef CARRY
   vec4 root = guide.root_rotation;
-  carryRotation(g, normalizeQuat(makeQuat(root.x, root.y, root.z, root.w)));
+  carryMotion(g, normalizeQuat(makeQuat(root.x, root.y, root.z, root.w)), guide.root_position.xyz);
 #endif
 }

@@ -15,6 +15,8 @@
 #include "tests/expect_error.h"
 #include "tests/io/scratch_folder.h"
 #include "tests/real_data.h"
+#include "transport/codec/guide_decoder.h"
+#include "transport/codec/guide_encoder.h"
 #include "transport/codec/hair_codec.h"
 #include "transport/message_bytes.h"
 #include "transport/recording/recorder.h"
@@ -285,8 +287,21 @@ TEST_P(RealHairs, AreTheArtistsAtRestAndSmallOnTheWire) {
     bytes += chunk.payload.size();
     ASSERT_TRUE(decodeHairs(chunk, guides, got));
   }
-  const std::vector<Quat> still(guides.strands(), Quat::Identity());
-  const BoundHairReference reference(guides, guides.positions, still, 32);
+  // Guides as they come over the network, by the default codec.
+  GuideFrame frame;
+  frame.positions = guides.positions;
+  GuideEncoder encoder{CodecOptions()};
+  encoder.setGroom(guides);
+  GuideDecoder decoder;
+  decoder.setGroom(guides);
+  std::vector<Vec3> received(guides.vertices());
+  encoder.encodeAll(frame, [&](GuideChunk& chunk) {
+    EXPECT_EQ(decoder.decode(chunk, std::span(received).subspan(chunk.first_vertex, chunk.vertex_count)),
+              DecodeResult::kDone);
+  });
+  EXPECT_NE(received, guides.positions);
+  const std::vector<Pose> still(guides.strands());
+  const BoundHairReference reference(guides, received, still, 32);
   double worst = 0;
   for (size_t h = 0; h < got.hairs.strands(); h += 7) {
     const auto grown = reference.grow(got.hairs.strand(h), got.bindings[h]);

@@ -14,7 +14,7 @@ namespace {
 struct Fixture {
   StrandSet guides = curledHairs(29, 1, 0.1f), hairs = curledHairs(120, 2, 0.1f);
   std::vector<HairBinding> bindings = bindHairs(hairs, guides);
-  std::vector<Quat> unrotated = std::vector<Quat>(29, Quat::Identity());
+  std::vector<Pose> unmoved = std::vector<Pose>(29);
 
   /// Greatest distance of all hairs from expected(rest vertex), m.
   template <class Expected>
@@ -33,7 +33,7 @@ struct Fixture {
 TEST(BoundGrowth, IsTheArtistsHairWhereGuidesAreAtRest) {
   const Fixture f;
   for (const int segments : {1, 2, 7, 32, 100}) {
-    const BoundHairReference reference(f.guides, f.guides.positions, f.unrotated, segments);
+    const BoundHairReference reference(f.guides, f.guides.positions, f.unmoved, segments);
     EXPECT_LT(f.worst(reference, [](const Eigen::Vector3d& x) { return x; }), 1e-12) << segments;
   }
 }
@@ -44,13 +44,71 @@ TEST(BoundGrowth, MovesRigidlyWithGuidesThatDo) {
   const Eigen::Vector3d moved(0.3, 1.2, -0.4);
   StrandSet now = f.guides;
   for (Vec3& p : now.positions) p = (turn * p.cast<double>() + moved).cast<float>();
-  const BoundHairReference reference(f.guides, now.positions, std::vector<Quat>(29, Quat(turn.cast<float>())),
-                                     32);
-  EXPECT_LT(f.worst(reference, [&](const Eigen::Vector3d& x) { return turn * x + moved; }), 1e-6);
+  const BoundHairReference reference(
+      f.guides, now.positions, std::vector<Pose>(29, Pose{moved.cast<float>(), Quat(turn.cast<float>())}),
+      32);
+  EXPECT_LT(f.worst(reference, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return turn * x + moved; }),
+            1e-6);
   for (size_t s = 0; s < f.hairs.strands(); ++s) {
     const auto points = f.hairs.strand(s);
     const Eigen::Vector3d first = (points[1] - points[0]).cast<double>().normalized();
     EXPECT_LT((reference.grow(points, f.bindings[s])[0].tangent - turn * first).norm(), 1e-5);
+  }
+}
+
+TEST(BoundGrowth, TheErrorOfACodecMovesNothingAtRest) {
+  // 0.016 mm at vertices are at most 0.02 mm at nodes between them.
+  const Fixture f;
+  const Pose head{Vec3(0.3f, 1.2f, -0.4f),
+                  Quat(Eigen::AngleAxisf(2.4f, Eigen::Vector3f(1, 2, -1).normalized()))};
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  for (const Pose& pose : {Pose{}, head}) {
+    StrandSet now = f.guides;
+    for (Vec3& p : now.positions)
+      p = pose.apply(p) + 1.6e-5f * Vec3(unit(random), unit(random), unit(random)).normalized();
+    const BoundHairReference reference(f.guides, now.positions, std::vector<Pose>(29, pose), 32);
+    EXPECT_LT(
+        f.worst(reference,
+                [&](const Eigen::Vector3d& x) {
+                  return Eigen::Vector3d(pose.rotation.cast<double>() * x + pose.position.cast<double>());
+                }),
+        1e-6);
+  }
+}
+
+TEST(BoundGrowth, OfAGuideThatMovesAnywhereIsNotHeldAtRestElsewhere) {
+  const Fixture f;
+  StrandSet now = f.guides;  // tips by a millimetre, next vertices by 0.01 mm
+  for (size_t g = 0; g < now.strands(); ++g) {
+    now.strand(g).back().x() += 1e-3f;
+    now.strand(g)[now.verticesOf(g) - 2].x() += 1e-5f;
+  }
+  const auto grownWith = [&](const Pose& root) {
+    return BoundHairReference(f.guides, now.positions, std::vector<Pose>(29, root), 32)
+        .grow(f.hairs.strand(7), f.bindings[7]);
+  };
+  const auto held = grownWith({}), free = grownWith({Vec3(1, 0, 0), Quat::Identity()});
+  for (size_t j = 0; j < held.size(); ++j) EXPECT_EQ(held[j].position, free[j].position);
+}
+
+TEST(BoundGrowth, LeavesRestWithoutAJumpAndIsTheGuidesMotionFromATenthOfAMillimetreOn) {
+  const Fixture f;
+  double before = 0;
+  for (int step = 0; step <= 300; ++step) {
+    const double away = 5e-7 * step;
+    StrandSet now = f.guides;
+    for (Vec3& p : now.positions) p.x() += static_cast<float>(away);
+    const BoundHairReference reference(f.guides, now.positions, f.unmoved, 32);
+    const Eigen::Vector3d rest = f.hairs.strand(7)[3].cast<double>();
+    const double moved = reference.grow(f.hairs.strand(7), f.bindings[7])[3].position.x() - rest.x();
+    EXPECT_GE(moved, before - 2e-8) << away;
+    EXPECT_LT(moved - before, 1.1e-6) << "at most about twice the guide's step: " << away;
+    EXPECT_NEAR(moved, away, away < 1.001e-4 ? 3.5e-5 : 2e-8);
+    if (away < 1.99e-5) {
+      EXPECT_NEAR(moved, 0, 2e-8) << away;
+    }
+    before = moved;
   }
 }
 
@@ -61,7 +119,7 @@ TEST(BoundGrowth, TheRootStaysOnItsFrameWhereTheFirstEdgesBend) {
   const Eigen::Quaternionf swing(Eigen::AngleAxisf(1.05f, Eigen::Vector3f::UnitX()));
   for (size_t g = 0; g < now.strands(); ++g)
     for (Vec3& p : now.strand(g)) p = now.strand(g)[0] + swing * (p - now.strand(g)[0]);
-  const BoundHairReference reference(f.guides, now.positions, f.unrotated, 32);
+  const BoundHairReference reference(f.guides, now.positions, f.unmoved, 32);
   for (size_t s = 0; s < f.hairs.strands(); ++s) {
     const auto points = f.hairs.strand(s);
     const auto grown = reference.grow(points, f.bindings[s]);
@@ -85,7 +143,7 @@ TEST(BoundGrowth, OffsetsTurnWithTheGuide) {
     behind.push_back(straight.back() + Vec3(0, 0, 0.01f));
   }
   rest.append(straight);
-  const BoundHairReference reference(rest, bent, std::vector<Quat>{Quat::Identity()}, 64);
+  const BoundHairReference reference(rest, bent, std::vector<Pose>(1), 64);
   const auto out = reference.grow(beside, {}), back = reference.grow(behind, {});
   for (size_t i = 0; i < kVertices; ++i) {
     // Secants lag at the tip by half their reach: 4 of 64 nodes, 5.6 degrees.
@@ -105,7 +163,7 @@ TEST(BoundGrowth, GuidesThatAreNotUsableHideOnlyHairThatFollowsThem) {
   const std::vector<Vec3> hair{Vec3(0.005f, 0, 0), Vec3(0.005f, -0.3f, 0)};
   StrandSet now = guides;
   now.positions[1].y() = std::numeric_limits<float>::quiet_NaN();
-  const BoundHairReference reference(guides, now.positions, std::vector<Quat>(4, Quat::Identity()), 16);
+  const BoundHairReference reference(guides, now.positions, std::vector<Pose>(4), 16);
   EXPECT_TRUE(reference.grow(hair, {{1, 0, 1}, {10, 0}}).empty());
   EXPECT_TRUE(reference.grow(hair, {{2, 2, 2}, {0, 0}}).empty());
   for (const HairBinding& binding : {HairBinding{{1, 0, 0}, {0, 0}}, HairBinding{{3, 1, 3}, {100, 0}}}) {
