@@ -24,6 +24,7 @@ struct RenderOptions {
   uint64_t seed = 1;
   bool growth_only = false;
   std::vector<std::filesystem::path> bound;
+  std::filesystem::path body;
   float unit_meters = 0;
   PrintOptions print;
 };
@@ -124,6 +125,7 @@ int runBound(const RenderOptions& o) {
   Settings settings;
   settings.scene.groom = o.bound;
   settings.scene.units.unit_meters = o.unit_meters;
+  settings.scene.body = o.body;
   BoundHairTrial trial(settings, kStrandsPerGuide);
   const double rest = trial.worstAtRest(), coded_rest = trial.worstAtRest(CodecOptions());
   const StrandSet& guides = trial.guides();
@@ -132,6 +134,12 @@ int runBound(const RenderOptions& o) {
   const Spread nodes_ms = deviceMs(o.pictures, [&] { nodes.update(guides.positions, Pose{}); });
   const HairDetail all = trial.pass().all();
   const Spread growth_ms = deviceMs(o.pictures, [&] { trial.pass().grow(nodes, all); });
+  std::vector<HairObstacle> obstacles = trial.obstacles();
+  const size_t bodies = obstacles.size();
+  trial.pass().bodies().setObstacles(std::move(obstacles));
+  const double kept_rest = trial.worstAtRest(CodecOptions());
+  const Spread kept_ms = deviceMs(o.pictures, [&] { trial.pass().grow(nodes, all); });
+  trial.pass().bodies().setObstacles({});
   const BoundHairTrial::Shaken shaken = trial.shake();
   const auto hairs = static_cast<double>(trial.strands().strands());
   Bench bench;
@@ -151,10 +159,13 @@ int runBound(const RenderOptions& o) {
                        {"growth_ms_min", "min", "{:.3f}"},
                        {"growth_ms_p95", "p95", "{:.3f}"},
                        {"growth_bytes", ""},
+                       {"bodies", "bodies"},
+                       {"growth_bodies_ms", "among them, ms", "{:.3f}"},
                        {"wire_bytes", "sent bytes"},
                        {"hair_bytes", "a hair", "{:.1f}"},
                        {"rest_mm", "at rest, worst mm", "{:.4f}"},
                        {"rest_delta16_mm", "over delta16", "{:.4f}"},
+                       {"rest_bodies_mm", "among bodies", "{:.4f}"},
                        {"shader_um", "shader, worst um", "{:.2f}"},
                        {"bound_mm", "bound mm", "{:.2f}"},
                        {"seeded_mm", "seed-grown mm", "{:.2f}"},
@@ -171,10 +182,13 @@ int runBound(const RenderOptions& o) {
                    {"growth_ms_min", growth_ms.min},
                    {"growth_ms_p95", growth_ms.p95},
                    {"growth_bytes", trial.pass().boundVertices().bytes()},
+                   {"bodies", bodies},
+                   {"growth_bodies_ms", kept_ms.median},
                    {"wire_bytes", trial.wireBytes()},
                    {"hair_bytes", static_cast<double>(trial.wireBytes()) / hairs},
                    {"rest_mm", 1e3 * rest},
                    {"rest_delta16_mm", 1e3 * coded_rest},
+                   {"rest_bodies_mm", 1e3 * kept_rest},
                    {"shader_um", 1e6 * shaken.worst_shader},
                    {"bound_mm", 1e3 * shaken.bound},
                    {"seeded_mm", 1e3 * shaken.seeded},
@@ -284,6 +298,7 @@ std::function<int()> addRenderBench(CLI::App& app) {
          "instead: files of a groom whose strands are bound to a twentieth of them, as they are sent, grown "
          "and, in a shake of the head, beside the simulation of every strand")
       ->delimiter(',');
+  app.add_option("--body", o->body, "body of --bound, in its unit, which keeps hair out");
   app.add_option("--unit-meters", o->unit_meters,
                  "metres per unit of --bound; 0: as the files say, or guessed")
       ->check(CLI::Range(0.0, 1e3))

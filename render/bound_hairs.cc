@@ -113,7 +113,14 @@ struct BoundVertex {
   Vec3 tangent;   // unit, or zero where the hair has none
   float width;    // over the hair's full width
 };
-static_assert(sizeof(BoundHair) == 16 && sizeof(BoundVertex) == 32);
+/// Follow all vertices, one for each, and one more where their number is odd: a vec4 has two.
+struct BoundBodyNumbers {
+  float rest_distance = 0;  // m, from bodies, at rest
+  float closing = 0;        // on the first guide, 0 to 1; -1 where no body is near
+};
+static_assert(sizeof(BoundHair) == 16 && sizeof(BoundVertex) == 32 && sizeof(BoundBodyNumbers) == 8);
+
+constexpr size_t kBoundGroupSize = 64;  // must equal local_size_x of bound_bodies.comp
 
 void appendVertices(const StrandSet& hairs, size_t s, std::vector<BoundVertex>& vertices) {
   const std::span<const Vec3> points = hairs.strand(s);
@@ -138,7 +145,10 @@ void appendVertices(const StrandSet& hairs, size_t s, std::vector<BoundVertex>& 
 
 BoundHairs::BoundHairs(const StrandSet& hairs)
     : program_("bound hair growth", {{GL_COMPUTE_SHADER, shaders::kBoundGrowthComp}}) {
-  const size_t bytes = hairs.vertices() * sizeof(BoundVertex);
+  all_vertices_ = hairs.vertices();
+  hairs_ = hairs.strands();
+  const size_t of_vertices = all_vertices_ * sizeof(BoundVertex);
+  const size_t bytes = of_vertices + (all_vertices_ + all_vertices_ % 2) * sizeof(BoundBodyNumbers);
   GLint64 largest = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
   if (bytes > static_cast<size_t>(largest))
@@ -156,7 +166,39 @@ BoundHairs::BoundHairs(const StrandSet& hairs)
     vertices_ = std::max(vertices_, static_cast<int>(count));
   }
   hair_buffer_ = gl::Buffer(std::span<const BoundHair>(described));
-  vertex_buffer_ = gl::Buffer(std::span<const BoundVertex>(vertices));
+  vertex_buffer_ = gl::Buffer(bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
+  vertex_buffer_.write(std::span<const BoundVertex>(vertices));
+}
+
+const gl::Program& BoundHairs::program(bool among_bodies) const {
+  const gl::Program& program = among_bodies ? *among_bodies_ : program_;
+  program.set("vertex_count", static_cast<unsigned>(all_vertices_));
+  return program;
+}
+
+void BoundHairs::measureRest() {
+  const auto made = [](const char* name, const char* text, const char* defines) {
+    return std::make_unique<gl::Program>(name,
+                                         std::vector<gl::ShaderStage>{{GL_COMPUTE_SHADER, text, defines}});
+  };
+  if (!rest_) {
+    among_bodies_ =
+        made("bound hair growth among bodies", shaders::kBoundGrowthComp, "#define AMONG_BODIES\n");
+    closing_ = made("bound hair and bodies", shaders::kBoundBodiesComp, "");
+    rest_ = made("bound hair at rest and bodies", shaders::kBoundBodiesComp, "#define REST\n");
+  }
+  dispatch(*rest_, 0, hairs_);
+}
+
+void BoundHairs::computeClosing(size_t first, size_t count) const { dispatch(*closing_, first, count); }
+
+void BoundHairs::dispatch(const gl::Program& program, size_t first, size_t count) const {
+  program.set("vertex_count", static_cast<unsigned>(all_vertices_));
+  program.set("first_hair", static_cast<unsigned>(first));
+  program.set("hair_count", static_cast<unsigned>(count));
+  program.use();
+  glDispatchCompute(static_cast<GLuint>((count + kBoundGroupSize - 1) / kBoundGroupSize), 1, 1);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
 void BoundHairs::bind() const {

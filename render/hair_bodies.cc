@@ -30,7 +30,9 @@ HairBodies::HairBodies() : program_("hair bodies", {{GL_COMPUTE_SHADER, shaders:
 void HairBodies::setObstacles(std::vector<HairObstacle> obstacles) {
   for (size_t i = 0; i < obstacles.size(); ++i)
     checkPrimitive(obstacles[i].shape, "obstacle " + std::to_string(i) + " of the hair");
+  ++revision_;
   obstacles_ = std::move(obstacles);
+  at_rest_ = obstacles_;
   shapes_.clear();
   first_words_.clear();
   bend_words_.clear();
@@ -44,14 +46,34 @@ void HairBodies::setObstacles(std::vector<HairObstacle> obstacles) {
 }
 
 void HairBodies::place(const Pose& head, std::span<const PlacedCollider> colliders) {
-  std::vector<MovingPrimitive> placed;
-  for (size_t i = 0; i < obstacles_.size(); ++i) {
-    HairObstacle& obstacle = obstacles_[i];
+  head_ = head;
+  for (HairObstacle& obstacle : obstacles_) {
     for (const PlacedCollider& collider : colliders) {
       if (collider.id != obstacle.collider || obstacle.follows_head) continue;
       obstacle.pose = collider.pose;
       obstacle.bend = collider.bend;
     }
+  }
+  write(head, obstacles_, false);
+}
+
+bool HairBodies::holdsHair(size_t i) const {
+  const HairObstacle& rest = at_rest_[i];
+  const Pose& now = obstacles_[i].pose;
+  return rest.follows_head || (rest.canBend() && isBodyPart(rest.shape)) ||
+         (now.position == rest.pose.position && now.rotation.coeffs() == rest.pose.rotation.coeffs());
+}
+
+void HairBodies::placeAgain() { write(head_, obstacles_, false); }
+
+size_t HairBodies::placeAtRest() { return write(Pose{}, at_rest_, true); }
+
+/// Returns the number of bodies. `only_holding`: those alone that hair may be in at rest.
+size_t HairBodies::write(const Pose& head, std::span<const HairObstacle> obstacles, bool only_holding) {
+  std::vector<MovingPrimitive> placed;
+  for (size_t i = 0; i < obstacles.size(); ++i) {
+    const HairObstacle& obstacle = obstacles[i];
+    if (only_holding && !holdsHair(i)) continue;
     const Pose pose = obstacle.follows_head ? head : obstacle.pose;
     placed.push_back(moved(obstacle.shape, pose, pose, 1, first_words_[i]));
     if (bend_words_[i] == 0) continue;
@@ -61,6 +83,7 @@ void HairBodies::place(const Pose& head, std::span<const PlacedCollider> collide
     word_buffer_.write(std::span<const MovingBend>(&bend, 1), bend_words_[i] * sizeof(uint32_t));
   }
   if (!placed.empty()) body_buffer_.write(std::span<const MovingPrimitive>(placed));
+  return placed.size();
 }
 
 void HairBodies::computeClosing(size_t hairs, int segments) {

@@ -27,21 +27,28 @@ struct HairObstacle {
 /// The obstacles that are parts of a skinned body.
 std::vector<BodyPart> bodyParts(std::span<const HairObstacle> obstacles);
 
-/// Keeps grown hair out of bodies, as the simulation keeps guides out. A hair that would enter a body follows
-/// one guide instead of three from before that point on, the more the deeper it would be (kernels/hair.h,
-/// closingAsked). A vertex that is still inside is moved out along the surface's normal. Near its root, a
-/// hair may be as deep as the root is.
+/// Keeps grown hair out of bodies, as the simulation keeps guides out. A hair from a seed that would enter a
+/// body follows one guide instead of three from before that point on, the more the deeper it would be
+/// (kernels/hair.h, closingAsked). A vertex that is still inside is moved out along the surface's normal.
+/// Near its root, a hair may be as deep as the root is. Bound hairs (BoundHairs) do the same, but may be as
+/// deep as at rest.
 class HairBodies {
  public:
   HairBodies();
 
   /// Throws Error on an invalid shape.
   void setObstacles(std::vector<HairObstacle> obstacles);
+  uint32_t revision() const { return revision_; }  ///< counts calls of setObstacles()
   size_t obstacles() const { return obstacles_.size(); }
 
   /// Sets the obstacles' poses. Colliders that are not obstacles are ignored; obstacles that are not in
   /// `colliders` stay.
   void place(const Pose& head, std::span<const PlacedCollider> colliders = {});
+  /// Places those obstacles alone that hair may be in at rest, as they were set: those that follow the head,
+  /// parts of a skinned body, and those that were not placed elsewhere. Returns their number. placeAgain()
+  /// ends that.
+  size_t placeAtRest();
+  void placeAgain();
   /// Computes the closing of the first `hairs` hairs of the bound list. Precondition: the guides' nodes and
   /// GrowthBlock are bound. Throws Error where the device does not allow a buffer of that size.
   void computeClosing(size_t hairs, int segments);
@@ -49,7 +56,12 @@ class HairBodies {
   size_t bytes() const;  ///< device memory
 
  private:
-  std::vector<HairObstacle> obstacles_;
+  bool holdsHair(size_t obstacle) const;
+  size_t write(const Pose& head, std::span<const HairObstacle> obstacles, bool only_holding);
+
+  std::vector<HairObstacle> obstacles_, at_rest_;
+  Pose head_;
+  uint32_t revision_ = 0;
   ShapeData shapes_;
   std::vector<uint32_t> first_words_;  ///< offset per obstacle in shapes_
   std::vector<uint32_t> bend_words_;   ///< offset of its bend; 0 = it cannot bend

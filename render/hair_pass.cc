@@ -148,6 +148,7 @@ void HairPass::setHairs(std::vector<Hair> hairs, const HairGrowth& growth,
     bound_programs_ =
         std::make_unique<Programs>(makePrograms(GrowthPath::kCompute, geometry_, shading_, lights_));
   bound_ = std::move(bound);
+  bound_rest_ = 0;
   bound_vertices_ = HairVertices();
   hairs_ = std::move(hairs);
   hair_buffer_ = gl::Buffer(std::span<const Hair>(hairs_));
@@ -189,9 +190,25 @@ void HairPass::grow(const GuideNodes& nodes, const HairDetail& detail) {
   if (path_ == GrowthPath::kCompute)
     vertices_.grow(block_.bodies > 0 ? among_bodies_ : free_, 0, count.seeded, nodes.segments() + 1,
                    detail.node_stride);
-  if (!bound_) return;
+  if (bound_) growBound(detail);
+}
+
+/// Precondition: bindHair() and block_ in its buffer.
+void HairPass::growBound(const HairDetail& detail) {
+  const size_t count = kindsOf(detail.hairs).bound;
+  const bool among_bodies = block_.bodies > 0;
   bound_->bind();
-  bound_vertices_.grow(bound_->program(), listed_seeded_, count.bound, bound_->vertices(),
+  if (among_bodies && bound_rest_ != bodies_.revision()) {
+    GrowthBlock at_rest = block_;
+    at_rest.bodies = static_cast<uint32_t>(bodies_.placeAtRest());
+    block_buffer_.write(std::span<const GrowthBlock>(&at_rest, 1));
+    bound_->measureRest();
+    block_buffer_.write(std::span<const GrowthBlock>(&block_, 1));
+    bodies_.placeAgain();
+    bound_rest_ = bodies_.revision();
+  }
+  if (among_bodies) bound_->computeClosing(listed_seeded_, count);
+  bound_vertices_.grow(bound_->program(among_bodies), listed_seeded_, count, bound_->vertices(),
                        detail.vertex_stride);
 }
 

@@ -116,6 +116,7 @@ class HairPass {
   /// Those that draw bound hairs.
   const Programs& boundPrograms() const { return bound_programs_ ? *bound_programs_ : programs_; }
   void bindHair(const GuideNodes& nodes) const;
+  void growBound(const HairDetail& detail);
   /// Draws hairs of both kinds with their programs.
   void drawBoth(gl::Program Programs::*program, const GuideNodes& nodes, const HairDetail& detail,
                 bool strips) const;
@@ -135,6 +136,7 @@ class HairPass {
   gl::Program free_, among_bodies_;
   HairVertices vertices_, bound_vertices_;
   std::unique_ptr<BoundHairs> bound_;
+  uint32_t bound_rest_ = 0;  ///< HairBodies::revision() of which bound hairs have their distances at rest
   HairBodies bodies_;
   Programs programs_;
   std::unique_ptr<Programs> bound_programs_;  ///< null where programs_ draw them too

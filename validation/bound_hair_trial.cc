@@ -126,6 +126,14 @@ void BoundHairTrial::grow(std::span<const Vec3> guides, const Pose& head) {
   pass_.grow(nodes_, pass_.all());
 }
 
+std::vector<HairObstacle> BoundHairTrial::obstacles() const {
+  std::vector<HairObstacle> obstacles;
+  for (const RigidBody& body : scene_.bodies)
+    for (const ContactPrimitive& shape : body.primitives)
+      obstacles.push_back({shape, body.follows_head, kNoCollider, body.pose});
+  return obstacles;
+}
+
 /// Per vertex of strands().
 std::vector<Vec3> BoundHairTrial::grownBound() const {
   std::vector<Vec3> positions(strands().vertices());

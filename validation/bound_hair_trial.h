@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "options/settings.h"
+#include "render/hair_bodies.h"
 #include "render/hair_pass.h"
 #include "scenes/scene.h"
 #include "transport/codec/codec.h"
@@ -42,6 +43,8 @@ class BoundHairTrial {
   /// Grows the bound hairs where guides are at these positions.
   void grow(std::span<const Vec3> guides, const Pose& head);
   HairPass& pass() { return pass_; }
+  /// The bodies of the scene, for pass().bodies(); none in the beginning.
+  std::vector<HairObstacle> obstacles() const;
   const GuideNodes& nodes() const { return nodes_; }
 
  private:

@@ -92,7 +92,8 @@ const std::vector<std::string> kBoundScenes{"straight", "curly", "ponytail"};
 std::vector<std::string> boundNames() {
   std::vector<std::string> names;
   for (const std::string& scene : kBoundScenes)
-    for (const char* what : {"rest", "rest over delta16", "shader", "shake", "leaving rest"})
+    for (const char* what :
+         {"rest", "rest over delta16", "rest among bodies", "shader", "shake", "leaving rest"})
       names.push_back(fmt::format("bound: {}, {}", scene, what));
   return names;
 }
@@ -119,6 +120,11 @@ std::vector<Case> boundCases(const Laboratory& laboratory) {
     cases.push_back(absoluteCase({fmt::format("bound: {}, rest over delta16", scene),
                                   "the same, where guides come through their default codec, too", "mm"},
                                  kMillimetre * trial.worstAtRest(CodecOptions()), 0, 0.05));
+    trial.pass().bodies().setObstacles(trial.obstacles());
+    cases.push_back(absoluteCase({fmt::format("bound: {}, rest among bodies", scene),
+                                  "the same, kept out of the scene's bodies as far as at rest", "mm"},
+                                 kMillimetre * trial.worstAtRest(CodecOptions()), 0, 0.05));
+    trial.pass().bodies().setObstacles({});
     const BoundHairTrial::Shaken shaken = trial.shake();
     cases.push_back(absoluteCase({fmt::format("bound: {}, shader", scene),
                                   "worst distance from double precision while the head shakes", "um"},

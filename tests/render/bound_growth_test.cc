@@ -29,12 +29,15 @@ struct Bound {
   }
   /// The vertices of every hair; a hair that is not drawn has none.
   std::vector<std::vector<GrownVertex>> grow(std::span<const Vec3> positions, const Pose& head = {},
-                                             int stride = 1) {
+                                             int stride = 1, const std::vector<PlacedCollider>& moved = {}) {
     nodes.setGroom(guides, true);
     nodes.update(positions, head);
     HairPass pass(GrowthPath::kCompute, HairGeometry::kLines);
     pass.setHairs(boundHairs(description, guides, {}, 1e-4f), {},
                   std::make_unique<BoundHairs>(description.hairs));
+    pass.setClearance(clearance);
+    pass.bodies().setObstacles(obstacles);
+    pass.bodies().place(head, moved);
     HairDetail detail = pass.all();
     detail.vertex_stride = stride;
     pass.grow(nodes, detail);
@@ -71,7 +74,16 @@ struct Bound {
   StrandSet guides;
   HairDescription description;
   GuideNodes nodes;
+  std::vector<HairObstacle> obstacles;
+  float clearance = 2e-4f;  // m
 };
+
+HairObstacle solidBall(const Vec3& middle, float radius) {
+  HairObstacle ball;
+  ball.shape.a = middle;
+  ball.shape.radius = radius;
+  return ball;
+}
 
 /// Each guide bends by up to a radian, its own way, and the head moves.
 std::vector<Vec3> bent(const StrandSet& guides, const Pose& head) {
@@ -152,6 +164,104 @@ TEST_F(BoundHairGrowth, MovesRigidlyWithTheHead) {
       worst = std::max(worst, (grown[s][j].position.cast<double>() - exact).norm());
     }
   EXPECT_LT(worst, 1.5e-6);
+}
+
+TEST_F(BoundHairGrowth, IsTheArtistsHairAtRestInAHeadThatHoldsPartOfIt) {
+  Bound bound(curledHairs(29, 1, 1.6f), curledHairs(120, 2, 1.6f));
+  const Vec3 middle = bound.description.hairs.strand(0)[3];
+  bound.obstacles = {solidBall(middle, 0.03f)};
+  int held = 0;
+  for (const Vec3& p : bound.description.hairs.positions) held += (p - middle).norm() < 0.03f;
+  EXPECT_GT(held, 30);
+  EXPECT_LT(bound.worstAtRest(), 1e-6);
+  const Pose head{Vec3(0.3f, 0.2f, -0.4f),
+                  Quat(Eigen::AngleAxisf(2.4f, Eigen::Vector3f(1, 2, -1).normalized()))};
+  std::vector<Vec3> now;
+  for (const Vec3& p : bound.guides.positions) now.push_back(head.apply(p));
+  const auto grown = bound.grow(now, head);
+  for (size_t s = 0; s < grown.size(); ++s)
+    for (size_t j = 0; j < bound.description.hairs.verticesOf(s); ++j)
+      EXPECT_LT((grown[s][j].position - head.apply(bound.description.hairs.strand(s)[j])).norm(), 3e-6f);
+}
+
+TEST_F(BoundHairGrowth, IsTheArtistsHairAtRestInShouldersThatStandThere) {
+  Bound bound(curledHairs(29, 1, 1.6f), curledHairs(120, 2, 1.6f));
+  HairObstacle shoulder = solidBall(bound.description.hairs.strand(0).back(), 0.03f);
+  shoulder.follows_head = false;
+  shoulder.collider = 3;
+  bound.obstacles = {shoulder};
+  EXPECT_LT(bound.worstAtRest(), 1e-6);
+}
+
+TEST_F(BoundHairGrowth, ObstaclesThatComeLaterKeepHairOutAsFarAsItWasAtRest) {
+  // The head holds the roots; a ball comes into the lengths.
+  Bound bound(curledHairs(29, 1, 1.6f), curledHairs(120, 2, 1.6f));
+  const StrandSet& hairs = bound.description.hairs;
+  const Vec3 head = hairs.strand(0)[0], ball = hairs.strand(40)[hairs.verticesOf(40) / 2];
+  constexpr float kHead = 0.02f, kBall = 0.025f;
+  HairObstacle moving = solidBall(Vec3::Zero(), kBall);
+  moving.follows_head = false;
+  moving.collider = 7;
+  bound.obstacles = {solidBall(head, kHead), moving};
+  const std::vector<PlacedCollider> placed{{7, Pose{ball, Quat::Identity()}, {}}};
+  const auto free = bound.grow(bound.guides.positions);
+  const auto kept = bound.grow(bound.guides.positions, {}, 1, placed);
+  int moved = 0, untouched = 0;
+  for (size_t s = 0; s < kept.size(); ++s) {
+    float closest = 1;
+    for (size_t j = 0; j < hairs.verticesOf(s); ++j) {
+      const Vec3& rest = hairs.strand(s)[j];
+      const float allowed = std::min(bound.clearance, (rest - head).norm() - kHead);
+      EXPECT_GE((kept[s][j].position - ball).norm() - kBall, allowed - 2e-6f);
+      EXPECT_GE((kept[s][j].position - head).norm() - kHead, allowed - 2e-6f);
+      moved += (kept[s][j].position - free[s][j].position).norm() > 1e-3f;
+      closest = std::min(closest, (rest - ball).norm() - kBall);
+    }
+    if (closest < bound.clearance) continue;
+    ++untouched;
+    for (size_t j = 0; j < hairs.verticesOf(s); ++j)
+      EXPECT_LT((kept[s][j].position - free[s][j].position).norm(), 1e-6f);
+  }
+  EXPECT_GT(moved, 50);
+  EXPECT_GT(untouched, 20);
+}
+
+TEST_F(BoundHairGrowth, FollowsOneGuideAroundABodyBetweenItsGuides) {
+  // A hair half way between two straight guides that a ball parts: it passes the ball beside its first guide,
+  // from before the ball on, without a kink as deep as the ball.
+  const auto straight = [](float x, size_t vertices) {
+    std::vector<Vec3> points;
+    for (size_t i = 0; i < vertices; ++i)
+      points.push_back(Vec3(x, 1.6f - 0.2f * static_cast<float>(i) / static_cast<float>(vertices - 1), 0));
+    return points;
+  };
+  StrandSet guides, hairs;
+  guides.append(straight(-0.01f, 20));
+  guides.append(straight(0.01f, 20));
+  hairs.append(straight(0, 41));
+  Bound bound(guides, hairs);
+  bound.description.bindings = {{{0, 1, 1}, {127, 0}}};
+  HairObstacle ball = solidBall(Vec3(0.0005f, 1.45f, 0), 0.012f);
+  ball.follows_head = false;
+  ball.collider = 7;
+  const Vec3 middle = ball.shape.a;
+  ball.shape.a = Vec3::Zero();
+  std::vector<Vec3> now;
+  for (size_t v = 0; v < guides.vertices(); ++v) {  // as the simulation would keep them off
+    Vec3 p = guides.positions[v];
+    p.x() += (v < 20 ? -0.02f : 0.02f) * std::clamp((1.6f - p.y()) / 0.1f, 0.0f, 1.0f);
+    now.push_back(p);
+  }
+  const auto free = bound.grow(now);
+  bound.obstacles = {ball};
+  const auto kept = bound.grow(now, {}, 1, {{7, Pose{middle, Quat::Identity()}, {}}});
+  EXPECT_LT(kept[0].back().position.x(), -0.01f) << "of the first guide's side, below the ball too";
+  EXPECT_LT(std::abs(free[0].back().position.x()), 0.002f);
+  EXPECT_LT((kept[0][0].position - free[0][0].position).norm(), 1e-7f) << "the root stays";
+  for (size_t j = 1; j < kept[0].size(); ++j) {
+    EXPECT_GE((kept[0][j].position - middle).norm(), 0.012f + bound.clearance - 2e-6f);
+    EXPECT_LT((kept[0][j].position - kept[0][j - 1].position).norm(), 0.009f) << j;
+  }
 }
 
 TEST_F(BoundHairGrowth, LeavesVerticesOutByTheStrideButNotTips) {
