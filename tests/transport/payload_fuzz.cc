@@ -34,7 +34,13 @@ bool fuzzHairs(std::span<const uint8_t> bytes) {
   chunk.vertex_count = head[2];
   chunk.payload.assign(bytes.begin() + sizeof head, bytes.end());
   HairDescription hairs;
-  if (!decodeHairs(chunk, kGroom.guides, hairs)) return false;
+  const bool is_decoded = decodeHairs(chunk, kGroom.guides, hairs);
+  // A byte of the payload holds 16 numbers at most; a vector may have room for twice what it has.
+  const size_t most = 2 * 16 * chunk.payload.size() + 16;
+  for (const size_t room : {hairs.hairs.positions.capacity(), hairs.hairs.offsets.capacity(),
+                            hairs.hairs.radii.capacity(), hairs.bindings.capacity(), hairs.ids.capacity()})
+    if (room > most) std::abort();
+  if (!is_decoded) return false;
   checkHairs(hairs, kGroom.guides, "a decoded payload");  // throws on what an encoder would refuse
   if (hairs.hairs.strands() != chunk.hair_count || hairs.hairs.vertices() != chunk.vertex_count) std::abort();
   return true;

@@ -22,8 +22,13 @@ constexpr uint64_t kMaxFrames = 64;  // read of one file: enough to reach every 
 
 /// Hairs that a receiver would refuse end the program.
 bool isSoundFrame(const RecordedFrame& read) noexcept {
+  if (!read.groom || !read.body || !read.frame) return false;
   if (read.hairs) checkHairs(*read.hairs, read.groom->guides, "fuzz");
-  return read.groom && read.body && read.frame &&
+  const GroomDescription& groom = *read.groom;
+  // A reader waits for hairs that the growth names.
+  const bool is_complete = read.hairs || (groom.growth & GroomDescription::kHairs) == 0;
+  return is_complete && groom.growth >= 1 && groom.growth < 8 && !(read.hairs && read.damage.hairs) &&
+         (groom.seeded.empty() || groom.seeded.size() == groom.guides.strands()) &&
          read.frame->positions.size() == read.groom->guides.vertices() &&
          std::all_of(read.poses.begin(), read.poses.end(),
                      [](const StepPoses& step) { return isSound(step.poses); }) &&
@@ -140,6 +145,7 @@ std::vector<FuzzSeeds> recordingSeeds() {
     for (const uint64_t session : {11, 12}) {
       GroomDescription groom = hairGroom(14, [](size_t s) { return 2 + s % 5; });
       groom.session = session;
+      if (session == 11) groom.growth |= GroomDescription::kHairs;
       recorder.setGroom(groom, sampleBody(4));
       if (session == 11)
         recorder.setHairs(boundHairs(
