@@ -283,9 +283,11 @@ Verb addReplay(CLI::App& app) {
                    ->check(finiteRange(0.0, 1e6));
   auto* to = app.add_option("--to", o->replay.to, "end, seconds of the recording; 0 = its end")
                  ->check(finiteRange(0.0, 1e6));
-  auto* check = app.add_flag("--check", o->checks,
-                             "publish nothing; read every frame and print the contents of the file. Exit "
-                             "code 1 if a frame is damaged, there is none, or the file is truncated");
+  auto* check =
+      app.add_flag("--check", o->checks,
+                   "publish nothing; read every frame and print the contents of the file. Exit "
+                   "code 1 if a frame or what describes it is damaged, there is no frame, or the file "
+                   "is truncated");
   auto* resimulate = app.add_flag("--resimulate", o->resimulates,
                                   "publish nothing; simulate again from the recorded settings and commands, "
                                   "on the same backend, and compare the hash of every frame")
