@@ -194,7 +194,7 @@ int runBound(const RenderOptions& o) {
                    {"seeded_mm", 1e3 * shaken.seeded},
                    {"motion_mm", 1e3 * shaken.motion},
                    {"stretch", shaken.stretch},
-                   {"leaving_rest_mm", 1e3 * shaken.settled}});
+                   {"leaving_rest_mm", 1e3 * shaken.leaving_rest}});
   print(bench, o.print);
   return 0;
 }

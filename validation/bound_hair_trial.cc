@@ -167,6 +167,34 @@ double BoundHairTrial::worstAtRest(const CodecOptions& codec) {
   return worst;
 }
 
+double BoundHairTrial::worstLeavingRest(std::span<const Vec3> bent, const Pose& head) const {
+  constexpr float kWorst = 4.6e-5f;  // m: there motionShare() takes most of a guide's motion
+  std::vector<Vec3> near(bent.begin(), bent.end());
+  for (size_t g = 0; g < guides_.strands(); ++g) {
+    const uint32_t first = guides_.offsets[g], last = guides_.offsets[g + 1];
+    float farthest = 1e-9f;
+    for (uint32_t v = first; v < last; ++v)
+      farthest = std::max(farthest, (bent[v] - head.apply(guides_.positions[v])).norm());
+    for (uint32_t v = first; v < last; ++v) {
+      const Vec3 rest = head.apply(guides_.positions[v]);
+      near[v] = rest + (kWorst / farthest) * (bent[v] - rest);
+    }
+  }
+  const auto grownWith = [&](const Pose& root) {
+    return BoundHairReference(guides_, near, std::vector<Pose>(guides_.strands(), root), kNodeSegments);
+  };
+  // No guide is near rest where the root's motion leads a metre away.
+  const BoundHairReference with = grownWith(head),
+                           without = grownWith({head.position + Vec3(1, 0, 0), head.rotation});
+  double worst = 0;
+  for (size_t s = 0; s < received_.hairs.strands(); ++s) {
+    const auto a = with.grow(received_.hairs.strand(s), received_.bindings[s]),
+               b = without.grow(received_.hairs.strand(s), received_.bindings[s]);
+    for (size_t j = 0; j < a.size(); ++j) worst = std::max(worst, (a[j].position - b[j].position).norm());
+  }
+  return worst;
+}
+
 BoundHairTrial::Shaken BoundHairTrial::shake() {
   constexpr double kFirst = 0.2, kLast = 1.0, kEvery = 0.1;  // s
   Scene few = scene_;
@@ -190,19 +218,14 @@ BoundHairTrial::Shaken BoundHairTrial::shake() {
     grow(carriers, head);
     seeded.grow(nodes_);
     const std::vector<Vec3> grown = grownBound();
-    const auto referenceOf = [&](const Pose& root) {
-      return BoundHairReference(guides_, carriers, std::vector<Pose>(guides_.strands(), root), kNodeSegments);
-    };
-    const BoundHairReference reference = referenceOf(head);
-    // No guide is near rest where the root's motion leads a metre away.
-    const BoundHairReference unsettled = referenceOf({head.position + Vec3(1, 0, 0), head.rotation});
+    const BoundHairReference reference(guides_, carriers, std::vector<Pose>(guides_.strands(), head),
+                                       kNodeSegments);
     for (size_t s = 0; s < strands().strands(); ++s) {
       const std::span<const Vec3> rest = strands().strand(s);
       const size_t first = strands().offsets[s];
       const float length = arcLength(rest);
       float run = 0;
       const auto exact = reference.grow(received_.hairs.strand(s), received_.bindings[s]);
-      const auto own = unsettled.grow(received_.hairs.strand(s), received_.bindings[s]);
       for (size_t j = 0; j < rest.size(); ++j) {
         if (j > 0) run += (rest[j] - rest[j - 1]).norm();
         const Vec3& place = truth[first + j];
@@ -212,13 +235,13 @@ BoundHairTrial::Shaken BoundHairTrial::shake() {
         motion.add(static_cast<double>((head.apply(rest[j]) - place).squaredNorm()));
         result.worst_shader =
             std::max(result.worst_shader, (grown[first + j].cast<double>() - exact[j].position).norm());
-        result.settled = std::max(result.settled, (exact[j].position - own[j].position).norm());
       }
       const double change = static_cast<double>(
           arcLength(std::span<const Vec3>(grown).subspan(first, rest.size())) / std::max(length, 1e-9f) - 1);
       stretch.add(change * change);
     }
   }
+  result.leaving_rest = worstLeavingRest(guides.guides(), guides.headPose());
   result.bound = bound_off.root();
   result.seeded = seeded_off.root();
   result.motion = motion.root();

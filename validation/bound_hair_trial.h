@@ -35,7 +35,9 @@ class BoundHairTrial {
     double seeded = 0;        ///< m, of the seed-grown hair with the nearest root, from the simulated strand
     double motion = 0;        ///< m, of simulated strands from where the head alone carries them
     double stretch = 0;       ///< relative change of length of a bound hair, RMS over hairs
-    double settled = 0;       ///< m, largest change by guides that count as at rest (motionShare)
+    /// m, largest change because guides near rest count as at rest (motionShare): of hair whose guides bend
+    /// as at the end, but only as far as that takes most.
+    double leaving_rest = 0;
   };
   /// Simulates every strand, and the guides alone.
   Shaken shake();
@@ -49,6 +51,7 @@ class BoundHairTrial {
 
  private:
   std::vector<Vec3> grownBound() const;
+  double worstLeavingRest(std::span<const Vec3> bent, const Pose& head) const;
 
   Settings settings_;
   Scene scene_;

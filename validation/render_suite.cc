@@ -139,8 +139,8 @@ std::vector<Case> boundCases(const Laboratory& laboratory) {
                     100 * shaken.stretch);
     cases.push_back(
         absoluteCase({fmt::format("bound: {}, leaving rest", scene),
-                      "largest change of a shaken hair by guides that count as at rest near it", "mm"},
-                     kMillimetre * shaken.settled, 0, 0.1));
+                      "largest change by guides that count as at rest near it, bent as by the shake", "mm"},
+                     kMillimetre * shaken.leaving_rest, 0, 0.1));
   }
   return cases;
 }
