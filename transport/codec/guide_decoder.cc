@@ -155,7 +155,7 @@ void GuideDecoder::placeRoots(const StrandRun& run, Encoding encoding) {
     for (int c = 0; c < 3; ++c) {
       const int32_t symbol =
           static_cast<int16_t>(symbols_.roots[static_cast<size_t>(c) * run.strand_count + s]);
-      const int32_t index = gridIndex(rest[c], step) + symbol;
+      const int32_t index = restGridIndex(rest[c], step) + symbol;
       roots_[s][c] = encoding == Encoding::kTangent   ? rest[c] + gridPosition(symbol, step)
                      : encoding == Encoding::kDelta16 ? static_cast<float>(index)
                                                       : gridPosition(index, step);

@@ -65,7 +65,7 @@ void ChunkEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, 
   roots_.resize(run.strand_count);
   worst_.resize(run.strand_count);
   const bool is_tangent = encoding == Encoding::kTangent;
-  const float step = is_tangent ? tangent_step_ : step_;
+  const float step = is_tangent ? tangent_step_ : step_, per_step = 1 / step;
   for (uint32_t s = 0; s < run.strand_count; ++s) {
     const Vec3& wanted = frame.positions[groom_->geometry.offsets[run.first_strand + s]];
     const Vec3& rest = groom_->geometry.roots[run.first_strand + s];
@@ -74,8 +74,8 @@ void ChunkEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, 
     bool fits = true;
     for (int c = 0; c < 3; ++c) {
       // Tangents: difference from rest; otherwise grid coordinates.
-      const int32_t place = gridIndex(is_tangent ? local[c] - rest[c] : local[c], step);
-      const int32_t moved = is_tangent ? place : place - gridIndex(rest[c], step);
+      const int32_t place = gridIndex((is_tangent ? local[c] - rest[c] : local[c]) * per_step);
+      const int32_t moved = is_tangent ? place : place - restGridIndex(rest[c], step);
       const int32_t symbol = std::clamp(moved, -32767, 32767);
       fits &= symbol == moved;
       symbols_.roots[static_cast<size_t>(c) * run.strand_count + s] = static_cast<uint16_t>(symbol);

@@ -51,11 +51,15 @@ inline constexpr float kMaxGridStep = 0.01f;  // m
 inline constexpr int32_t kMaxGridIndex =
     1 << 22;  // indices up to this are exact as floats, and within the range of nearest()
 
-/// Nearest grid index; clamped to +-kMaxGridIndex. NaN becomes an end of that range.
-inline int32_t gridIndex(float position, float step) {
+/// Nearest grid index of a coordinate in steps; clamped to +-kMaxGridIndex. NaN becomes an end of that range.
+/// Encoders multiply by the reciprocal of the step: GPUs do not round quotients correctly.
+inline int32_t gridIndex(float steps) {
   constexpr auto kMax = static_cast<float>(kMaxGridIndex);
-  return nearest(std::min(kMax, std::max(-kMax, position / step)));
+  return nearest(std::min(kMax, std::max(-kMax, steps)));
 }
+/// Grid index of a root's coordinate at rest, m. The quotient is part of the format: both ends need the same
+/// index.
+inline int32_t restGridIndex(float position, float step) { return gridIndex(position / step); }
 inline float gridPosition(int32_t index, float step) { return static_cast<float>(index) * step; }
 
 /// Transforms between the world and the frame of the head, in which guides are encoded.

@@ -147,7 +147,7 @@ std::string placeOf(const HairDescription& hairs, const std::string& what) {
 /// Throws Error.
 HairGrid gridOf(const HairDescription& hairs, float max_error) {
   // A vertex is off by half the diagonal of a cell, and by the rounding of its last sum: on each axis by at
-  // most one unit in the last place of the largest coordinate. 0.5 % are for the quotient in gridIndex().
+  // most one unit in the last place of the largest coordinate. 0.5 % are for the quotient in putSteps().
   float largest = 0;
   for (const Vec3& p : hairs.hairs.positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
   const float rounding = std::sqrt(3.0f) * largest * std::numeric_limits<float>::epsilon();
@@ -250,7 +250,7 @@ class HairCollector {
   Vec3 putSteps(size_t h, size_t plane, const Vec3& residual) {
     Vec3 steps;
     for (size_t c = 0; c < 3; ++c) {
-      const int32_t n = gridIndex(residual[static_cast<Eigen::Index>(c)], grid_.step);
+      const int32_t n = gridIndex(residual[static_cast<Eigen::Index>(c)] / grid_.step);
       if (n != static_cast<int16_t>(n))
         throw Error("a hair lies too far from its guide for the wanted error", whereIs(h, residual),
                     "check the unit of the hairs' file (--unit-meters), give guides near the hair, or allow "

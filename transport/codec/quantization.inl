@@ -9,9 +9,9 @@
 /// Nearest whole number, ties to even; |x| <= 2^22.
 LANE_FN real nearestWhole(real x) { return (x + lit(12582912)) - lit(12582912); }
 
-/// Nearest grid point, in steps, clamped to +-most; -most for NaN.
-LANE_FN real gridNumber(real position, real step, real most) {
-  const real low = -most, steps = position / step;
+/// Nearest grid point of a coordinate in steps, clamped to +-most; -most for NaN.
+LANE_FN real gridNumber(real steps, real most) {
+  const real low = -most;
   const real above = select(low < steps, steps, low);
   return nearestWhole(select(above < most, above, most));
 }

@@ -303,7 +303,7 @@ HWY_INLINE void deinterleavePairs(const Tile& tile, const float* rows, uint16_t*
 void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
   const Rows rows(lane_rows, job.geometry, job.run, 3, 3);
   const LaneFrame frame(job.head);
-  const real step = lit(job.step), most = lit(kMaxGridIndex);
+  const real step = lit(job.step), per_step = lit(1 / job.step), most = lit(kMaxGridIndex);
   const size_t edges = edgesOf(job.run);
   forEachTile(job.geometry, job.run, [&](const Tile& tile) {
     interleavePositions(tile, job.positions, rows.numbers);
@@ -313,8 +313,8 @@ void encodeDelta(const StrandEncoding& job, LaneRows& lane_rows) {
     for (size_t i = 1; i < tile.rows; ++i) {
       const real3 wanted = row3(rows.numbers, i), local = frame.toHead(wanted);
       const mask is_there = lengths.has(i);
-      const real3 index =
-          makeReal3(gridNumber(local.x, step, most), gridNumber(local.y, step, most), gridNumber(local.z, step, most));
+      const real3 index = makeReal3(gridNumber(local.x * per_step, most), gridNumber(local.y * per_step, most),
+                                    gridNumber(local.z * per_step, most));
       const real3 edge = index - before;
       const real low = min(edge.x, min(edge.y, edge.z)), high = max(edge.x, max(edge.y, edge.z));
       const mask fits = low >= lit(-32768) && high <= lit(32767);
