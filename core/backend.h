@@ -61,6 +61,14 @@ class Backend {
   virtual void step(const StepInput& input) = 0;
   /// Positions after the newest step, m, natural order; valid until the next step(). Waits for pending steps.
   virtual std::span<const Vec3> guides() = 0;
+  /// The array of guides(), in which only vertices `first` to `first` + `count` - 1 need hold positions of
+  /// the newest step: a backend that computes elsewhere copies no others. Valid until the next call.
+  virtual std::span<const Vec3> guidesOf([[maybe_unused]] size_t first, [[maybe_unused]] size_t count) {
+    return guides();
+  }
+  /// Whether a strand may have diverged. False if every vertex is finite and within kDivergedReach times its
+  /// strand's rest length of the root; true also where a test would need guides(). Waits for pending steps.
+  virtual bool mayHaveDiverged() { return true; }
 
   /// Whether step() applies StepInput::accelerations and velocities() is available.
   virtual bool takesAccelerations() const { return false; }

@@ -201,6 +201,7 @@ StepInput Simulation::nextInput() {
 
 void Simulation::step() {
   StepInput input = nextInput();
+  if (pull_) backend_->guides();  // addPull() needs them; external forces may use their memory
   if (has_external_forces_) external_forces_->step(input, *backend_);
   if (pull_) addPull(input);
   backend_->step(input);
@@ -270,13 +271,13 @@ void Simulation::rebaseOrigin() {
 }
 
 size_t Simulation::resetDiverged() {
-  constexpr float kTooFar = 2;  // times its length; only gauss_seidel could reach that
   rebaseOrigin();
+  if (!backend_->mayHaveDiverged()) return 0;
   const std::span<const Vec3> now = backend_->guides();
   std::vector<size_t> broken;
   for (size_t s = 0; s < model_->strands(); ++s) {
     const uint32_t first = model_->offsets[s], end = model_->offsets[s + 1];
-    const float far = kTooFar * lengths_[s];
+    const float far = kDivergedReach * lengths_[s];
     bool good = true;
     for (uint32_t v = first; v < end; ++v) good = good && (now[v] - now[first]).squaredNorm() <= far * far;
     if (!good) broken.push_back(s);
@@ -370,17 +371,21 @@ void Simulation::resumeFrom(const StrandState& state, double time) {
   time_ = time;
 }
 
-std::span<const Vec3> Simulation::guides() {
-  const std::span<const Vec3> own = backend_->guides();
+std::span<const Vec3> Simulation::guidesOf(size_t first, size_t count) {
+  const std::span<const Vec3> own = backend_->guidesOf(first, count);
   if (origin_.isWorld()) return own;
-  std::transform(own.begin(), own.end(), world_guides_.begin(),
+  const auto at = static_cast<ptrdiff_t>(first);
+  const std::span<const Vec3> part = own.subspan(first, count);
+  std::transform(part.begin(), part.end(), world_guides_.begin() + at,
                  [this](const Vec3& p) { return origin_.toWorld(p); });
   return world_guides_;
 }
 
 Measurement Simulation::measure(StrandRange strands) {
-  return strandcast::measure(*model_, backend_->guides(), bodies_.primitives(), bodies_.shapes().words,
-                             strands);
+  const size_t end = std::min(strands.end, model_->strands()), begin = std::min(strands.begin, end);
+  const uint32_t first = model_->offsets[begin];
+  return strandcast::measure(*model_, backend_->guidesOf(first, model_->offsets[end] - first),
+                             bodies_.primitives(), bodies_.shapes().words, {begin, end});
 }
 
 StrandState Simulation::state() {

@@ -126,7 +126,10 @@ class Simulation {
   ExternalForces* externalForces() { return external_forces_.get(); }  ///< may be null
   /// Positions after the newest step, m, world, one per vertex in natural order. Valid until the next call.
   /// Waits for the backend.
-  std::span<const Vec3> guides();
+  std::span<const Vec3> guides() { return guidesOf(0, model_->vertices()); }
+  /// The array of guides(), in which only vertices `first` to `first` + `count` - 1 need hold positions of
+  /// the newest step. On a GPU no others are copied.
+  std::span<const Vec3> guidesOf(size_t first, size_t count);
   /// Stretch and penetration of the newest guides.
   Measurement measure(StrandRange strands = {});
   StrandState state();  ///< positions in world coordinates; waits for the backend

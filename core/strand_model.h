@@ -153,6 +153,10 @@ void pinToBone(StrandModel& model, size_t strand, float from, float to, const st
 /// Error.
 StrandState restState(const StrandModel& model, const std::vector<Pose>& roots);
 
+/// Distance of a vertex from its root, in rest lengths of the strand, beyond which the strand has diverged.
+/// Only gauss_seidel could reach it.
+inline constexpr float kDivergedReach = 2;
+
 /// Rest length per strand, m.
 std::vector<float> strandLengths(const StrandModel& model);
 

@@ -54,10 +54,15 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
     const gl::MakeCurrent current(context_);
     strands_->step(input);
   }
-  std::span<const Vec3> guides() override {
-    if (strands_->guidesReady()) return strands_->guides();
+  std::span<const Vec3> guides() override { return guidesOf(0, strands_->vertices()); }
+  std::span<const Vec3> guidesOf(size_t first, size_t count) override {
+    if (strands_->guidesReady()) return strands_->guidesOf(first, count);
     const gl::MakeCurrent current(context_);
-    return strands_->guides();
+    return strands_->guidesOf(first, count);
+  }
+  bool mayHaveDiverged() override {
+    const gl::MakeCurrent current(context_);
+    return strands_->mayHaveDiverged();
   }
   bool takesAccelerations() const override { return true; }
   void prepareAccelerations() override {

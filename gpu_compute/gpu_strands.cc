@@ -107,7 +107,7 @@ GpuStrands::GpuStrands(const StrandModel& model, ProgramCache& programs, size_t 
       shapes_(storage<uint32_t>(1)),
       groomed_(!model.damping_scale.empty()),
       uploads_(std::in_place, model, UploadRing::Counts{}),
-      readback_(vertices_) {
+      readback_(vertices_ * sizeof(Vec3)) {
   checkMemory("the model does not fit the GPU's memory");
 }
 
@@ -291,7 +291,7 @@ void GpuStrands::step(const StepInput& input) {
                         shape_kinds > 1, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-  readback_.copyFrom(guides_);
+  guides_read_ = false;
   glFlush();
 }
 
@@ -327,11 +327,30 @@ std::span<const Vec3> GpuStrands::velocities() {
   return velocities_read_;
 }
 
-std::span<const Vec3> GpuStrands::guides() {
+std::span<const Vec3> GpuStrands::guidesOf(size_t first, size_t count) {
+  if (uploaded_.empty() && accelerated_ && !guides_read_) {  // guides_ holds accelerations
+    std::vector<Vec4> packed(vertices_);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetNamedBufferSubData(positions_.id(), 0, static_cast<GLsizeiptr>(vertices_ * sizeof(Vec4)),
+                            packed.data());
+    for (const Vec4& p : packed) uploaded_.emplace_back(p[0], p[1], p[2]);
+  }
   if (!uploaded_.empty() || vertices_ == 0) return uploaded_;
-  const std::span<const Vec3> newest = readback_.newest();
+  if (!guides_read_) {
+    if (count > 0) readback_.copyFrom(guides_, first * sizeof(Vec3), count * sizeof(Vec3));
+    readback_.wait();
+    guides_read_ = count == vertices_;
+    timer_.poll();
+  }
+  return readback_.as<Vec3>().first(vertices_);
+}
+
+bool GpuStrands::mayHaveDiverged() {
+  if (!uploaded_.empty() || guides_read_ || accelerated_ || vertices_ == 0) return true;
+  if (!divergence_) divergence_.emplace(model_);
+  const bool found = divergence_->run(guides_, offsets_, programs_);
   timer_.poll();
-  return newest;
+  return found;
 }
 
 }  // namespace strandcast::gpu

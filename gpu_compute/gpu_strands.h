@@ -5,6 +5,7 @@
 
 #include "gl/current.h"
 #include "gl/timers.h"
+#include "gpu_compute/divergence_test.h"
 #include "gpu_compute/gauss_seidel_strands.h"
 #include "gpu_compute/mapped_rings.h"
 #include "gpu_compute/rod_strands.h"
@@ -34,11 +35,14 @@ class GpuStrands {
   void prepareAccelerations();
   /// Velocities of vertices, natural order, m/s; valid until the next call. Waits for pending steps.
   std::span<const Vec3> velocities();
-  /// Positions of vertices after the newest step, natural order, m; valid until the next step(). Waits for
-  /// it.
-  std::span<const Vec3> guides();
-  /// True if guides() need not wait and needs no current context.
-  bool guidesReady() const { return !uploaded_.empty() || readback_.ready(); }
+  size_t vertices() const { return vertices_; }
+  /// Positions after the newest step as Backend::guidesOf(): those of `count` vertices from `first` on are
+  /// copied to the CPU. Waits for the step. Where accelerations() has given their memory away, allocates.
+  std::span<const Vec3> guidesOf(size_t first, size_t count);
+  /// True if guidesOf() of all vertices need not wait and needs no current context.
+  bool guidesReady() const { return !uploaded_.empty() || guides_read_; }
+  /// As Backend::mayHaveDiverged(). The first call allocates and compiles a shader; it may throw Error.
+  bool mayHaveDiverged();
   // For systems that work on the same GPU before a step.
   const gl::Buffer& positions() const { return positions_; }        ///< 4 floats per vertex, xyz in m
   const gl::Buffer& velocityBuffer() const { return velocities_; }  ///< 4 floats per vertex, xyz in m/s
@@ -87,11 +91,13 @@ class GpuStrands {
   std::array<bool, 8> expected_{};  ///< prepared, by solver, goal and bodies
   PreviousBodies previous_bodies_;
   std::optional<UploadRing> uploads_;  ///< never empty
-  Readback readback_;
+  Readback readback_;                  ///< positions, m, 3 floats per vertex
+  bool guides_read_ = false;           ///< readback_ holds all positions of the newest step
+  std::optional<DivergenceTest> divergence_;
   gl::StepTimer timer_;
   std::vector<std::array<float, 4>> velocities_packed_;
   std::vector<Vec3> velocities_read_;
-  std::vector<Vec3> uploaded_;  ///< result of guides() until the first step; empty afterwards
+  std::vector<Vec3> uploaded_;  ///< result of guidesOf() unless empty
 };
 
 /// Interface of the gpu backend to systems that work in its GPU memory between steps, such as the air system.

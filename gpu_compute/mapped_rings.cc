@@ -90,22 +90,15 @@ void UploadRing::write(const StepInput& input) {
                     static_cast<GLsizeiptr>(std::max<size_t>(countsOf(input).near, 1) * sizeof(uint32_t)));
 }
 
-Readback::Readback(size_t vertices)
-    : vertices_(vertices),
-      buffer_(vertices * sizeof(Vec3), nullptr, kRead | GL_CLIENT_STORAGE_BIT),
-      memory_(static_cast<const Vec3*>(map(buffer_, kRead))) {}
+Readback::Readback(size_t bytes)
+    : buffer_(bytes, nullptr, kRead | GL_CLIENT_STORAGE_BIT), memory_(map(buffer_, kRead)) {}
 
-void Readback::copyFrom(const gl::Buffer& guides) {
-  glCopyNamedBufferSubData(guides.id(), buffer_.id(), 0, 0,
-                           static_cast<GLsizeiptr>(vertices_ * sizeof(Vec3)));
+void Readback::copyFrom(const gl::Buffer& from, size_t first, size_t bytes) {
+  glCopyNamedBufferSubData(from.id(), buffer_.id(), static_cast<GLintptr>(first),
+                           static_cast<GLintptr>(first), static_cast<GLsizeiptr>(bytes));
   fence_.set();
-  ready_ = false;
 }
 
-std::span<const Vec3> Readback::newest() {
-  if (!ready_) fence_.wait();
-  ready_ = true;
-  return {memory_, vertices_};
-}
+void Readback::wait() { fence_.wait(); }
 
 }  // namespace strandcast::gpu

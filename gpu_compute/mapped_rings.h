@@ -57,25 +57,26 @@ class UploadRing {
   Leaders leaders_;
 };
 
-/// Asynchronous download of positions to mapped memory.
+/// Mapped memory to which the GPU copies results.
 class Readback {
  public:
   /// Throws Error if the GPU cannot map memory.
-  explicit Readback(size_t vertices);
+  explicit Readback(size_t bytes);
 
-  /// Records the copy of `guides` (3 floats per vertex, m). Overwrites the result of newest().
-  void copyFrom(const gl::Buffer& guides);
-  /// The positions of the newest copy, m; valid until the next copyFrom(). Waits for the copy.
-  std::span<const Vec3> newest();
-  /// True if newest() has waited for the newest copy already.
-  bool ready() const { return ready_; }
+  /// Records the copy of `bytes` bytes of `from` from byte `first` on, to the same offset in the memory.
+  void copyFrom(const gl::Buffer& from, size_t first, size_t bytes);
+  /// Waits for the copies recorded so far.
+  void wait();
+  /// The memory as an array. Precondition: wait() was called after the last copyFrom().
+  template <class T>
+  std::span<const T> as() const {
+    return {static_cast<const T*>(memory_), buffer_.bytes() / sizeof(T)};
+  }
 
  private:
-  size_t vertices_;
   gl::Buffer buffer_;
-  const Vec3* memory_;
+  const void* memory_;
   Fence fence_;
-  bool ready_ = false;
 };
 
 }  // namespace strandcast::gpu

@@ -61,6 +61,18 @@ class FrameClock {
   double start_;
 };
 
+class SimulationGuides final : public GuideSource {
+ public:
+  explicit SimulationGuides(Simulation& simulation) : simulation_(simulation) {}
+  size_t vertices() const override { return simulation_.model().vertices(); }
+  std::span<const Vec3> positions(size_t first, size_t count) override {
+    return simulation_.guidesOf(first, count);
+  }
+
+ private:
+  Simulation& simulation_;
+};
+
 }  // namespace
 
 Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint64_t session)
@@ -75,7 +87,6 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
   frame_.groom_id = settings.groom_id;
   frame_.session = session;
   frame_.revision = 1;
-  frame_.positions.resize(controlled_.simulation.model().vertices());
   report_.setParameters(controlled_.table());
 
   groom_.groom_id = settings.groom_id;
@@ -139,8 +150,6 @@ void Daemon::advance() {
 
 void Daemon::publishFrame() {
   Simulation& simulation = controlled_.simulation;
-  const std::span<const Vec3> guides = simulation.guides();
-  std::copy(guides.begin(), guides.end(), frame_.positions.begin());
   ++frame_.frame;
   frame_.simulation_time = simulation.time();
   frame_.head = simulation.headPose();
@@ -151,7 +160,10 @@ void Daemon::publishFrame() {
   frame_.publish_time = static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                                   std::chrono::system_clock::now().time_since_epoch())
                                                   .count());
-  if (sharing_.isParticipating()) publisher_.publish(frame_);
+  if (sharing_.isParticipating()) {
+    SimulationGuides guides(simulation);
+    publisher_.publishFrom(frame_, guides);
+  }
   controlled_.poses.countFrame(static_cast<int64_t>(steadyTime()));
   report_.setFrames(frame_.frame);
   report_.measureSlice(static_cast<size_t>(std::ceil(static_cast<double>(simulation.model().strands()) /

@@ -104,12 +104,17 @@ class DdsPublisher final : public Publisher {
   }
 
   void publish(const GuideFrame& frame) override {
+    FrameGuides guides(frame);
+    send(frame, guides);
+  }
+  void publishFrom(GuideFrame& frame, GuideSource& guides) override { send(frame, guides); }
+  void send(const GuideFrame& frame, GuideSource& guides) {
     // Not earlier: a claim silences the casting daemon, and only now are there frames to replace its own
     if (claim_) claim_->claim();
     if (claim_ && !updateOwnership()) return;
     repeatWhatReadersLack();
     sendHair();
-    announced_.divide(frame, [this](GuideChunk& chunk) { guide_writer_->write(&chunk); });
+    announced_.divide(frame, guides, [this](GuideChunk& chunk) { guide_writer_->write(&chunk); });
   }
 
   void publishStatus(const Status& status) override {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "transport/guide_source.h"
 #include "transport/messages.h"
 #include "transport/show.h"
 
@@ -91,6 +92,11 @@ class Publisher {
   /// another vertex count or revision nothing is sent. The channel sets its `groom_id` and, over DDS,
   /// `session`.
   virtual void publish(const GuideFrame& frame) = 0;
+  /// As publish(), with `guides` in place of frame.positions, which it may fill. Throws what `guides` throws.
+  virtual void publishFrom(GuideFrame& frame, GuideSource& guides) {
+    copyGuides(guides, frame);
+    publish(frame);
+  }
   /// The destructor waits up to a second for live readers that lack the last status: it may hold the answer
   /// to the command that ended the daemon.
   virtual void publishStatus(const Status& status) = 0;

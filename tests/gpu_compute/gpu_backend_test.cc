@@ -9,10 +9,12 @@
 #include "tests/conformance/conformance_model.h"
 #ifdef STRANDCAST_TEST_GL
 #include <cstdlib>
+#include <limits>
 
 #include "gl/context.h"
 #include "gl/current.h"
 #include "gpu_compute/driver.h"
+#include "gpu_compute/gpu_strands.h"
 #include "tests/expect_error.h"
 #endif
 
@@ -195,6 +197,83 @@ TEST_F(GpuBackend, GuidesAreThoseOfTheNewestStepOfMany) {
   backend_->download(state);
   ASSERT_EQ(guides.size(), state.positions.size());
   EXPECT_TRUE(std::equal(guides.begin(), guides.end(), state.positions.begin()));
+}
+
+TEST_F(GpuBackend, CopiesTheVerticesThatAreAskedFor) {
+  backend_->upload(disturbedState(model_, 105));
+  step();
+  const std::span<const Vec3> guides = backend_->guides();
+  const std::vector<Vec3> before(guides.begin(), guides.end());
+  step();
+  const size_t first = model_.offsets[3], count = model_.offsets[5] - first;
+  const std::span<const Vec3> part = backend_->guidesOf(first, count);
+  StrandState state;
+  backend_->download(state);
+  ASSERT_EQ(part.size(), model_.vertices());
+  for (size_t v = 0; v < model_.vertices(); ++v)
+    EXPECT_EQ(part[v], v >= first && v < first + count ? state.positions[v] : before[v]) << v;
+  const std::span<const Vec3> all = backend_->guides();
+  EXPECT_TRUE(std::equal(all.begin(), all.end(), state.positions.begin()));
+  EXPECT_EQ(backend_->guidesOf(model_.vertices(), 0).size(), model_.vertices());
+}
+
+// The air leaves accelerations in the memory of the guides.
+TEST_F(GpuBackend, GuidesOutliveTheMemoryThatAccelerationsTake) {
+  backend_->upload(disturbedState(model_, 106));
+  step();
+  auto& device = dynamic_cast<gpu::GpuDevice&>(*backend_);
+  {
+    const gl::MakeCurrent current(device.context());
+    glClearNamedBufferData(device.strands().accelerations().id(), GL_R32F, GL_RED, GL_FLOAT, nullptr);
+  }
+  EXPECT_TRUE(backend_->mayHaveDiverged()) << "where it cannot test";
+  const std::span<const Vec3> guides = backend_->guides();
+  StrandState state;
+  backend_->download(state);
+  EXPECT_TRUE(std::equal(guides.begin(), guides.end(), state.positions.begin()));
+  step();
+  EXPECT_FALSE(backend_->mayHaveDiverged());
+}
+
+TEST_F(GpuBackend, FindsStrandsThatDiverge) {
+  const StrandState sound = restState(model_, model_.rest_roots);
+  EXPECT_TRUE(backend_->mayHaveDiverged()) << "what was uploaded is left to the caller";
+  step();
+  EXPECT_FALSE(backend_->mayHaveDiverged());
+  EXPECT_FALSE(backend_->mayHaveDiverged()) << "and says so again";
+  for (const size_t s : {size_t{1}, model_.strands() / 2, model_.strands() - 1}) {
+    StrandState state = sound;
+    state.positions[model_.offsets[s + 1] - 1].y() = std::numeric_limits<float>::quiet_NaN();
+    backend_->upload(state);
+    step();
+    EXPECT_TRUE(backend_->mayHaveDiverged()) << "strand " << s;
+  }
+  backend_->upload(sound);
+  step();
+  EXPECT_FALSE(backend_->mayHaveDiverged());
+}
+
+// The rod keeps its lengths; a single iteration of gauss_seidel does not pull a tip back over metres.
+TEST_F(GpuBackend, FindsStrandsBeyondTheirReach) {
+  parameters_.solver = SolverKind::kGaussSeidel;
+  parameters_.substeps = parameters_.iterations = 1;
+  const std::vector<float> lengths = strandLengths(model_);
+  for (const float reach : {1.5f, 1.9f, 2.5f, 6.0f}) {
+    StrandState state = restState(model_, model_.rest_roots);
+    const uint32_t root = model_.offsets[7], tip = model_.offsets[8] - 1;
+    ASSERT_GT(tip, root + 2);
+    state.positions[tip] = state.positions[root] + reach * lengths[7] * Vec3::UnitX();
+    backend_->upload(state);
+    step();
+    const bool diverges = backend_->mayHaveDiverged();
+    float farthest = 0;  // in lengths
+    const std::span<const Vec3> guides = backend_->guides();
+    for (size_t s = 0; s < model_.strands(); ++s)
+      for (uint32_t v = model_.offsets[s]; v < model_.offsets[s + 1]; ++v)
+        if (lengths[s] > 0)
+          farthest = std::max(farthest, (guides[v] - guides[model_.offsets[s]]).norm() / lengths[s]);
+    EXPECT_EQ(diverges, farthest > kDivergedReach) << reach << " became " << farthest;
+  }
 }
 
 // Uses near-body lists: llvmpipe ends an invocation's loops after 65,535 iterations in all, and contact

@@ -43,13 +43,6 @@ Encoding encodingOf(Codec codec) {
 
 constexpr float kNotHeld = std::numeric_limits<float>::infinity();
 
-void writeFloat32(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
-  chunk.encoding = Encoding::kFloat32;
-  chunk.key_frame = 0;
-  chunk.payload.resize(run.vertex_count * sizeof(Vec3));
-  std::memcpy(chunk.payload.data(), frame.positions.data() + run.first_vertex, chunk.payload.size());
-}
-
 }  // namespace
 
 ChunkEncoder::ChunkEncoder(EncodedGroom& groom, const StrandCoder& coder)
@@ -60,14 +53,13 @@ ChunkEncoder::ChunkEncoder(EncodedGroom& groom, const StrandCoder& coder)
       coder_(coder),
       packer_(coder) {}
 
-void ChunkEncoder::quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head,
-                                 Encoding encoding) {
+void ChunkEncoder::quantizeRoots(const StrandRun& run, const HeadFrame& head, Encoding encoding) {
   roots_.resize(run.strand_count);
   worst_.resize(run.strand_count);
   const bool is_tangent = encoding == Encoding::kTangent;
   const float step = is_tangent ? tangent_step_ : step_, per_step = 1 / step;
   for (uint32_t s = 0; s < run.strand_count; ++s) {
-    const Vec3& wanted = frame.positions[groom_->geometry.offsets[run.first_strand + s]];
+    const Vec3& wanted = positions_[groom_->geometry.offsets[run.first_strand + s]];
     const Vec3& rest = groom_->geometry.roots[run.first_strand + s];
     const Vec3 local = head.toHead(wanted);
     Vec3 decoded, index;
@@ -93,11 +85,11 @@ void ChunkEncoder::quantize(const GuideFrame& frame, uint32_t index, Encoding en
   const StrandRun& run = groom_->runs[index];
   shapeSymbols(run, encoding, symbols_);
   const HeadFrame head(frame.head);
-  quantizeRoots(frame, run, head, encoding);
+  quantizeRoots(run, head, encoding);
   StrandEncoding job{.geometry = groom_->geometry,
                      .run = run,
                      .head = head,
-                     .positions = frame.positions.data() + run.first_vertex,
+                     .positions = positions_.data() + run.first_vertex,
                      .roots = roots_.data(),
                      .step = encoding == Encoding::kTangent ? tangent_step_ : step_,
                      .squared_limit = squared_limit_,
@@ -143,7 +135,14 @@ void ChunkEncoder::forgetExactStrands(const StrandRun& run) {
   }
 }
 
-void ChunkEncoder::writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
+void ChunkEncoder::writeFloat32(const StrandRun& run, GuideChunk& chunk) const {
+  chunk.encoding = Encoding::kFloat32;
+  chunk.key_frame = 0;
+  chunk.payload.resize(run.vertex_count * sizeof(Vec3));
+  std::memcpy(chunk.payload.data(), positions_.data() + run.first_vertex, chunk.payload.size());
+}
+
+void ChunkEncoder::writePreamble(const StrandRun& run, uint8_t mode, float step,
                                  std::vector<uint8_t>& bytes) const {
   const auto exact_strands = static_cast<uint16_t>(exact_.size());
   bytes.resize(kPayloadHeadBytes + exact_.size() * sizeof(uint16_t));
@@ -157,11 +156,11 @@ void ChunkEncoder::writePreamble(const GuideFrame& frame, const StrandRun& run, 
     const uint32_t first = groom_->geometry.offsets[run.first_strand + s];
     const size_t length = (groom_->geometry.offsets[run.first_strand + s + 1u] - first) * sizeof(Vec3);
     bytes.resize(bytes.size() + length);
-    std::memcpy(bytes.data() + bytes.size() - length, frame.positions.data() + first, length);
+    std::memcpy(bytes.data() + bytes.size() - length, positions_.data() + first, length);
   }
 }
 
-void ChunkEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk) {
+void ChunkEncoder::writeSymbols(const StrandRun& run, GuideChunk& chunk) {
   SymbolPrediction prediction;
   prediction.edge_bits = edgeBits(chunk.encoding);
   collectStrandEnds(run);
@@ -170,7 +169,7 @@ void ChunkEncoder::writeSymbols(const GuideFrame& frame, const StrandRun& run, G
   prediction.along_strand = SymbolPacker::prefersAlongStrand(symbols_, prediction);
   const bool zstd = groom_->options.zstd;
   const int mode = (prediction.along_strand ? kAlongStrand : 0) | (zstd ? 0 : kInBlocks);
-  writePreamble(frame, run, static_cast<uint8_t>(mode), step_, chunk.payload);
+  writePreamble(run, static_cast<uint8_t>(mode), step_, chunk.payload);
   if (zstd)
     packer_.compress(symbols_, prediction, chunk.payload);
   else
@@ -194,18 +193,20 @@ void ChunkEncoder::encodeTangents(const GuideFrame& frame, uint32_t index, Guide
     return;
   }
   chunk.key_frame = history ? history->frame : 0;
-  writePreamble(frame, run, kInBlocks, tangent_step_, chunk.payload);
+  writePreamble(run, kInBlocks, tangent_step_, chunk.payload);
   packer_.packInBlocks(symbols_, {}, chunk.payload);
   if (own) own->accept(frame.frame, history == nullptr, directions_);
 }
 
-ChunkReport ChunkEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {
+ChunkReport ChunkEncoder::encode(const GuideFrame& frame, std::span<const Vec3> positions, uint32_t index,
+                                 GuideChunk& chunk) {
+  positions_ = positions;
   const StrandRun& run = groom_->runs[index];
   fillGuideHeader(frame, groom_->runs, index, chunk);
   chunk.encoding = encodingOf(groom_->options.codec);
   chunk.key_frame = 0;
   if (chunk.encoding == Encoding::kFloat32) {
-    writeFloat32(frame, run, chunk);
+    writeFloat32(run, chunk);
     return {};
   }
   if (chunk.encoding == Encoding::kTangent) encodeTangents(frame, index, chunk);
@@ -215,11 +216,11 @@ ChunkReport ChunkEncoder::encode(const GuideFrame& frame, uint32_t index, GuideC
       chunk.encoding = Encoding::kDelta16;
       quantize(frame, index, chunk.encoding, nullptr);
     }
-    writeSymbols(frame, run, chunk);
+    writeSymbols(run, chunk);
   }
   if (chunk.payload.size() >= run.vertex_count * sizeof(Vec3)) {
     if (!groom_->histories.empty()) groom_->histories[index].frame = 0;  // not sent
-    writeFloat32(frame, run, chunk);
+    writeFloat32(run, chunk);
     return {run.strand_count, 0};
   }
   return {exact_.size(), std::sqrt(double{worst_squared_})};
@@ -244,9 +245,10 @@ class GuideEncoder::EncoderPool {
 
   /// Calls send(chunk, report) on this thread, in order.
   template <class Send>
-  void encodeAll(const GuideFrame& frame, uint32_t count, const Send& send) {
+  void encodeAll(const GuideFrame& frame, std::span<const Vec3> positions, uint32_t count, const Send& send) {
     std::unique_lock lock(mutex_);
     frame_ = &frame;
+    positions_of_all_ = positions;
     next_ = sent_ = 0;
     count_ = count;
     work_.notify_all();
@@ -292,12 +294,13 @@ class GuideEncoder::EncoderPool {
   void encodeNext(std::unique_lock<std::mutex>& lock) {
     const uint32_t index = next_++;
     const GuideFrame& frame = *frame_;
+    const std::span<const Vec3> positions = positions_of_all_;
     Slot& slot = slotOf(index);
     ++under_way_;
     lock.unlock();
     std::exception_ptr failure;
     try {
-      slot.report = slot.encoder.encode(frame, index, slot.chunk);
+      slot.report = slot.encoder.encode(frame, positions, index, slot.chunk);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -317,6 +320,7 @@ class GuideEncoder::EncoderPool {
   std::condition_variable_any work_;  // a chunk may be started
   std::condition_variable ready_;     // a chunk is ready
   const GuideFrame* frame_ = nullptr;
+  std::span<const Vec3> positions_of_all_;
   uint32_t next_ = 0, sent_ = 0, count_ = 0, under_way_ = 0;
   std::exception_ptr failure_;
   std::vector<Slot> slots_;
@@ -354,21 +358,29 @@ void GuideEncoder::add(const GuideFrame& frame, const GuideChunk& chunk, const C
 }
 
 void GuideEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {
-  const ChunkReport report = own_.encode(frame, index, chunk);
+  const ChunkReport report = own_.encode(frame, frame.positions, index, chunk);
   add(frame, chunk, report);
 }
 
 void GuideEncoder::encodeAll(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send) {
+  FrameGuides guides(frame);
+  encodeAll(frame, guides, send);
+}
+
+void GuideEncoder::encodeAll(const GuideFrame& frame, GuideSource& guides,
+                             const std::function<void(GuideChunk&)>& send) {
   const auto count = static_cast<uint32_t>(groom_.runs.size());
+  const std::span<const Vec3> positions = guides.positions(0, guides.vertices());
   if (threads_ == 1 || count <= 1) {
     for (uint32_t i = 0; i < count; ++i) {
-      encode(frame, i, own_chunk_);
+      const ChunkReport report = own_.encode(frame, positions, i, own_chunk_);
+      add(frame, own_chunk_, report);
       send(own_chunk_);
     }
     return;
   }
   if (!pool_) pool_ = std::make_unique<EncoderPool>(threads_, groom_, coder_);
-  pool_->encodeAll(frame, count, [&](GuideChunk& chunk, const ChunkReport& report) {
+  pool_->encodeAll(frame, positions, count, [&](GuideChunk& chunk, const ChunkReport& report) {
     add(frame, chunk, report);
     send(chunk);
   });
@@ -409,10 +421,16 @@ std::vector<HairChunk> AnnouncedGroom::chunksOf(const HairDescription& hairs) co
 }
 
 void AnnouncedGroom::divide(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send) {
+  FrameGuides guides(frame);
+  divide(frame, guides, send);
+}
+
+void AnnouncedGroom::divide(const GuideFrame& frame, GuideSource& guides,
+                            const std::function<void(GuideChunk&)>& send) {
   if (!accepted_ || frame.revision != accepted_->revision ||
-      frame.positions.size() != accepted_->guides.vertices())
+      guides.vertices() != accepted_->guides.vertices())
     return;
-  encoder_.encodeAll(frame, [&](GuideChunk& chunk) {
+  encoder_.encodeAll(frame, guides, [&](GuideChunk& chunk) {
     chunk.groom_id = groom_id_;
     chunk.session = session_;
     send(chunk);

@@ -9,6 +9,7 @@
 #include "transport/codec/guide_payload.h"
 #include "transport/codec/strand_coder.h"
 #include "transport/codec/symbol_packer.h"
+#include "transport/guide_source.h"
 
 namespace strandcast {
 
@@ -33,18 +34,19 @@ class ChunkEncoder {
  public:
   /// `groom` must outlive it and its options must not change. Every `coder` writes the same bytes.
   ChunkEncoder(EncodedGroom& groom, const StrandCoder& coder);
-  /// As GuideEncoder::encode.
-  ChunkReport encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
+  /// As GuideEncoder::encode, with the guides in `positions`, world, m, in place of frame.positions.
+  ChunkReport encode(const GuideFrame& frame, std::span<const Vec3> positions, uint32_t index,
+                     GuideChunk& chunk);
 
  private:
   void encodeTangents(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
   void quantize(const GuideFrame& frame, uint32_t index, Encoding encoding, const TangentHistory* history);
-  void quantizeRoots(const GuideFrame& frame, const StrandRun& run, const HeadFrame& head, Encoding encoding);
+  void quantizeRoots(const StrandRun& run, const HeadFrame& head, Encoding encoding);
   void collectStrandEnds(const StrandRun& run);
   void forgetExactStrands(const StrandRun& run);
-  void writePreamble(const GuideFrame& frame, const StrandRun& run, uint8_t mode, float step,
-                     std::vector<uint8_t>& bytes) const;
-  void writeSymbols(const GuideFrame& frame, const StrandRun& run, GuideChunk& chunk);
+  void writeFloat32(const StrandRun& run, GuideChunk& chunk) const;
+  void writePreamble(const StrandRun& run, uint8_t mode, float step, std::vector<uint8_t>& bytes) const;
+  void writeSymbols(const StrandRun& run, GuideChunk& chunk);
 
   EncodedGroom* groom_;
   float squared_limit_;  // m^2
@@ -52,6 +54,7 @@ class ChunkEncoder {
   float tangent_step_;   // m, of the tangent plane's grid
   StrandCoder coder_;
   // Of the current chunk:
+  std::span<const Vec3> positions_;  // of the frame's guides
   GuideSymbols symbols_;
   std::vector<uint32_t> strand_ends_;  // SymbolPrediction::strand_ends; not of tangents
   std::vector<uint16_t> exact_;        // strands of the run that are sent as float32
@@ -85,6 +88,8 @@ class GuideEncoder {
   /// order on this thread, while later chunks are still encoded. `send` may swap the chunk's memory; its
   /// exceptions propagate.
   void encodeAll(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send);
+  /// The same with the guides in `guides` in place of frame.positions.
+  void encodeAll(const GuideFrame& frame, GuideSource& guides, const std::function<void(GuideChunk&)>& send);
   /// Of the encoded chunks of the newest frame number.
   const EncodingReport& report() const { return report_; }
 
@@ -122,6 +127,8 @@ class AnnouncedGroom {
   /// Calls send(chunk) for each chunk of the frame in order, as GuideEncoder::encodeAll(); for none where the
   /// frame is of another groom.
   void divide(const GuideFrame& frame, const std::function<void(GuideChunk&)>& send);
+  /// The same with the guides in `guides` in place of frame.positions.
+  void divide(const GuideFrame& frame, GuideSource& guides, const std::function<void(GuideChunk&)>& send);
   EncodingReport encoding() const { return encoder_.report(); }
 
  private:

@@ -103,7 +103,12 @@ class LcmPublisher final : public Publisher {
   }
 
   void publish(const GuideFrame& frame) override {
-    announced_.divide(frame, [this](const GuideChunk& chunk) {
+    FrameGuides guides(frame);
+    send(frame, guides);
+  }
+  void publishFrom(GuideFrame& frame, GuideSource& guides) override { send(frame, guides); }
+  void send(const GuideFrame& frame, GuideSource& guides) {
+    announced_.divide(frame, guides, [this](const GuideChunk& chunk) {
       toBytes(chunk, guide_message_);
       link_->send(channels_.guides, guide_message_);
     });

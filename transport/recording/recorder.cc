@@ -301,6 +301,14 @@ void RecordingPublisher::publish(const GuideFrame& frame) {
   record([&](Recorder& recorder) { recorder.addFrame(frame); });
 }
 
+void RecordingPublisher::publishFrom(GuideFrame& frame, GuideSource& guides) {
+  publisher_->publishFrom(frame, guides);
+  record([&](Recorder& recorder) {
+    copyGuides(guides, frame);
+    recorder.addFrame(frame);
+  });
+}
+
 std::optional<Command> RecordingPublisher::takeCommand() {
   std::optional<Command> command = publisher_->takeCommand();
   if (!command) return command;

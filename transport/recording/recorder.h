@@ -127,6 +127,7 @@ class RecordingPublisher final : public Publisher {
   void announceHairs(const HairDescription& hairs) override;
   void announceColliders(const ColliderSet& colliders) override { publisher_->announceColliders(colliders); }
   void publish(const GuideFrame& frame) override;
+  void publishFrom(GuideFrame& frame, GuideSource& guides) override;
   void publishStatus(const Status& status) override;
   std::optional<Command> takeCommand() override;
   std::optional<PoseSamples> takePoses() override { return publisher_->takePoses(); }
