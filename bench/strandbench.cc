@@ -32,6 +32,9 @@ int main(int argc, char** argv) {
       addScalingBench);
   add("end-to-end", "latency from a motion of the head to grown hair in another process", addEndToEndBench);
   add("wire", "size, error and latency of published frames, by codec", addWireBench);
+  add("encode",
+      "time from a step's start to its guides in bytes of the wire, encoded by the GPU and by the CPU",
+      addEncodeBench);
   add("start", "time from a daemon's start to the first frame in another process, and of loading its scene",
       addStartBench);
   add("peers", "cost and error of the rod, gauss_seidel and Bullet's ropes", addPeersBench);
@@ -42,7 +45,8 @@ int main(int argc, char** argv) {
 #ifdef STRANDCAST_HAS_RENDER
   add("render", "time of growing hair and of each pass of a picture", addRenderBench);
 #endif
-  add("all", "all of these except accuracy and start, in under ten minutes, as one table", addAllBench);
+  add("all", "all of these except accuracy, encode and start, in under ten minutes, as one table",
+      addAllBench);
   add("report", "generate docs/performance.md from bench/results", addReport);
   add("reader", "internal: the reading process of scaling and end-to-end", addReader);
   verbs.back().first->group("");

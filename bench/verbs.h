@@ -17,6 +17,9 @@ std::function<int()> addAllBench(CLI::App& app);
 /// `contact`: a step of hair on one mesh body and five primitives, compared with the same step without
 /// bodies. Measures the broad phase separately, and the bake of the mesh's field.
 std::function<int()> addContactBench(CLI::App& app);
+/// `encode`: time from the start of a step until the CPU can read its guides as bytes of the wire, compared
+/// with the GPU's time; the bytes of GPU and CPU are compared.
+std::function<int()> addEncodeBench(CLI::App& app);
 /// `end-to-end`: the latency from a head motion to hair grown in another process, by stage.
 std::function<int()> addEndToEndBench(CLI::App& app);
 /// `grid`: time of every pass of the wind grid and of the forces between hairs at 32^3, 64^3 and 128^3 cells,

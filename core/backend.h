@@ -10,6 +10,7 @@
 
 #include "core/broad_phase.h"
 #include "core/contact_primitive.h"
+#include "core/guide_packing.h"
 #include "core/parameters.h"
 #include "core/strand_model.h"
 
@@ -69,6 +70,10 @@ class Backend {
   /// Whether a strand may have diverged. False if every vertex is finite and within kDivergedReach times its
   /// strand's rest length of the root; true also where a test would need guides(). Waits for pending steps.
   virtual bool mayHaveDiverged() { return true; }
+  /// Packs the guides where this backend keeps them, if not on the CPU: one entry per run of `grid`, valid
+  /// until the next call. Empty where it does not. Waits for pending steps. The first call with a grid
+  /// allocates, and throws Error if its device cannot.
+  virtual std::span<const PackedRun> packGuides(const GuideGrid&, const PackingFrame&) { return {}; }
 
   /// Whether step() applies StepInput::accelerations and velocities() is available.
   virtual bool takesAccelerations() const { return false; }
@@ -81,6 +86,8 @@ class Backend {
   /// GPU time of the newest step whose measurement has arrived, s, without transfers. None on a CPU or if the
   /// driver does not measure. Never waits.
   virtual std::optional<double> gpuSeconds() { return std::nullopt; }
+  /// The same of the newest packGuides().
+  virtual std::optional<double> packSeconds() { return std::nullopt; }
 };
 
 /// A backend that this program has been built with.

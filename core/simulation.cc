@@ -381,6 +381,11 @@ std::span<const Vec3> Simulation::guidesOf(size_t first, size_t count) {
   return world_guides_;
 }
 
+std::span<const PackedRun> Simulation::packGuides(const GuideGrid& grid, PackingFrame frame) {
+  frame.origin = origin_.position;
+  return backend_->packGuides(grid, frame);
+}
+
 Measurement Simulation::measure(StrandRange strands) {
   const size_t end = std::min(strands.end, model_->strands()), begin = std::min(strands.begin, end);
   const uint32_t first = model_->offsets[begin];

@@ -130,6 +130,8 @@ class Simulation {
   /// The array of guides(), in which only vertices `first` to `first` + `count` - 1 need hold positions of
   /// the newest step. On a GPU no others are copied.
   std::span<const Vec3> guidesOf(size_t first, size_t count);
+  /// As Backend::packGuides(). `frame.origin` is set here.
+  std::span<const PackedRun> packGuides(const GuideGrid& grid, PackingFrame frame);
   /// Stretch and penetration of the newest guides.
   Measurement measure(StrandRange strands = {});
   StrandState state();  ///< positions in world coordinates; waits for the backend

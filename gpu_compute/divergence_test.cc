@@ -24,7 +24,7 @@ DivergenceTest::DivergenceTest(const StrandModel& model)
       found_(sizeof(uint32_t), nullptr, GL_DYNAMIC_STORAGE_BIT),
       result_(sizeof(uint32_t)) {}
 
-bool DivergenceTest::run(const gl::Buffer& guides, const gl::Buffer& offsets, ProgramCache& programs) {
+void DivergenceTest::start(const gl::Buffer& guides, const gl::Buffer& offsets, ProgramCache& programs) {
   const gl::Program& program = program_.get(programs, "divergence.comp", shaders::kDivergenceComp);
   glClearNamedBufferData(found_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
   guides.bindStorage(0);
@@ -35,6 +35,9 @@ bool DivergenceTest::run(const gl::Buffer& guides, const gl::Buffer& offsets, Pr
   dispatch(program, strands_, kDivergenceStrands);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   result_.copyFrom(found_, 0, sizeof(uint32_t));
+}
+
+bool DivergenceTest::finish() {
   result_.wait();
   return result_.as<uint32_t>()[0] != 0;
 }

@@ -12,9 +12,11 @@ class DivergenceTest {
  public:
   /// Throws Error if the GPU cannot map memory.
   explicit DivergenceTest(const StrandModel& model);
-  /// Tests `guides`, 3 floats per vertex, m, and waits for the result. `offsets`: Offsets of
-  /// shaders/step_input.glsl. The first call compiles and may throw Error.
-  bool run(const gl::Buffer& guides, const gl::Buffer& offsets, ProgramCache& programs);
+  /// Records the test of `guides`, 3 floats per vertex, m. `offsets`: Offsets of shaders/step_input.glsl. The
+  /// first call compiles and may throw Error.
+  void start(const gl::Buffer& guides, const gl::Buffer& offsets, ProgramCache& programs);
+  /// Waits for the result of the newest start().
+  bool finish();
 
  private:
   uint32_t strands_;

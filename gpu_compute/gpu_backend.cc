@@ -64,6 +64,11 @@ class GpuBackend final : public Backend, public gpu::GpuDevice {
     const gl::MakeCurrent current(context_);
     return strands_->mayHaveDiverged();
   }
+  std::span<const PackedRun> packGuides(const GuideGrid& grid, const PackingFrame& frame) override {
+    const gl::MakeCurrent current(context_);
+    return strands_->packGuides(grid, frame);
+  }
+  std::optional<double> packSeconds() override { return strands_ ? strands_->packSeconds() : std::nullopt; }
   bool takesAccelerations() const override { return true; }
   void prepareAccelerations() override {
     const gl::MakeCurrent current(context_);

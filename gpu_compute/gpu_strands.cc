@@ -161,6 +161,7 @@ void GpuStrands::upload(const StrandState& state) {
     contacts_.write(std::span<const Vec4>(packed));
   }
   uploaded_ = state.positions;
+  packing_started_ = false;
   if (rod_) rod_->markFramesStored();
   previous_bodies_ = PreviousBodies();
 }
@@ -291,7 +292,8 @@ void GpuStrands::step(const StepInput& input) {
                         shape_kinds > 1, programs_);
   timer_.end();
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-  guides_read_ = false;
+  guides_read_ = packing_started_ = false;
+  head_ = input.boneAtEnd(0);
   glFlush();
 }
 
@@ -345,10 +347,31 @@ std::span<const Vec3> GpuStrands::guidesOf(size_t first, size_t count) {
   return readback_.as<Vec3>().first(vertices_);
 }
 
+std::span<const PackedRun> GpuStrands::packGuides(const GuideGrid& grid, const PackingFrame& frame) {
+  if (accelerated_ || vertices_ == 0) return {};
+  if (!packer_ || packer_->gridNumber() != grid.number) {
+    packer_.reset();
+    packing_started_ = false;
+    packer_.emplace(model_, grid, programs_);
+  }
+  packs_steps_ = true;
+  origin_ = frame.origin;
+  if (!uploaded_.empty()) guides_.write(std::span<const Vec3>(uploaded_));
+  if (!packing_started_ || !(packer_->frame() == frame)) packer_->start(guides_, offsets_, frame);
+  packing_started_ = uploaded_.empty();
+  return packer_->finish();
+}
+
 bool GpuStrands::mayHaveDiverged() {
   if (!uploaded_.empty() || guides_read_ || accelerated_ || vertices_ == 0) return true;
   if (!divergence_) divergence_.emplace(model_);
-  const bool found = divergence_->run(guides_, offsets_, programs_);
+  divergence_->start(guides_, offsets_, programs_);
+  // Where the step before was packed this one probably will be: the GPU goes on while the CPU waits.
+  if (packer_ && std::exchange(packs_steps_, false) && !packing_started_) {
+    packer_->start(guides_, offsets_, {head_.rotation.toRotationMatrix(), head_.position + origin_, origin_});
+    packing_started_ = true;
+  }
+  const bool found = divergence_->finish();
   timer_.poll();
   return found;
 }

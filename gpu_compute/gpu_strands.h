@@ -7,6 +7,7 @@
 #include "gl/timers.h"
 #include "gpu_compute/divergence_test.h"
 #include "gpu_compute/gauss_seidel_strands.h"
+#include "gpu_compute/guide_packer.h"
 #include "gpu_compute/mapped_rings.h"
 #include "gpu_compute/rod_strands.h"
 #include "gpu_compute/step_input.h"
@@ -43,6 +44,9 @@ class GpuStrands {
   bool guidesReady() const { return !uploaded_.empty() || guides_read_; }
   /// As Backend::mayHaveDiverged(). The first call allocates and compiles a shader; it may throw Error.
   bool mayHaveDiverged();
+  /// As Backend::packGuides().
+  std::span<const PackedRun> packGuides(const GuideGrid& grid, const PackingFrame& frame);
+  std::optional<double> packSeconds() const { return packer_ ? packer_->seconds() : std::nullopt; }
   // For systems that work on the same GPU before a step.
   const gl::Buffer& positions() const { return positions_; }        ///< 4 floats per vertex, xyz in m
   const gl::Buffer& velocityBuffer() const { return velocities_; }  ///< 4 floats per vertex, xyz in m/s
@@ -94,6 +98,11 @@ class GpuStrands {
   Readback readback_;                  ///< positions, m, 3 floats per vertex
   bool guides_read_ = false;           ///< readback_ holds all positions of the newest step
   std::optional<DivergenceTest> divergence_;
+  std::optional<GuidePacker> packer_;  ///< of the newest grid
+  bool packing_started_ = false;       ///< packer_ has been started for the newest positions
+  bool packs_steps_ = false;           ///< packGuides() was called since the last mayHaveDiverged()
+  Vec3 origin_ = Vec3::Zero();         ///< m, world: of coordinates, in the last packGuides()
+  Pose head_;                          ///< at the end of the newest step
   gl::StepTimer timer_;
   std::vector<std::array<float, 4>> velocities_packed_;
   std::vector<Vec3> velocities_read_;

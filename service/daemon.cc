@@ -61,6 +61,7 @@ class FrameClock {
   double start_;
 };
 
+/// Guides of a simulation. A device that cannot pack them is told once, and then not asked again.
 class SimulationGuides final : public GuideSource {
  public:
   explicit SimulationGuides(Simulation& simulation) : simulation_(simulation) {}
@@ -68,9 +69,19 @@ class SimulationGuides final : public GuideSource {
   std::span<const Vec3> positions(size_t first, size_t count) override {
     return simulation_.guidesOf(first, count);
   }
+  std::span<const PackedRun> packed(const GuideGrid& grid, const PackingFrame& frame) override {
+    if (grid.number == unpackable_grid_) return {};
+    std::span<const PackedRun> out;
+    const std::string why = errorTextOf([&] { out = simulation_.packGuides(grid, frame); });
+    if (why.empty()) return out;
+    unpackable_grid_ = grid.number;
+    spdlog::warn("guides are packed on the processor: {}", why);
+    return {};
+  }
 
  private:
   Simulation& simulation_;
+  uint64_t unpackable_grid_ = 0;
 };
 
 }  // namespace
@@ -80,6 +91,7 @@ Daemon::Daemon(const Settings& settings, Scene scene, Publisher& publisher, uint
       publisher_(publisher),
       conflict_detector_(settings.groom_id),
       controlled_(settings, scene, publisher, session),
+      guides_(std::make_unique<SimulationGuides>(controlled_.simulation)),
       report_(settings.groom_id, session, scene.name, controlled_.simulation),
       sharing_(settings, scene, controlled_, report_, publisher),
       executor_(controlled_, report_,
@@ -160,10 +172,7 @@ void Daemon::publishFrame() {
   frame_.publish_time = static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                                   std::chrono::system_clock::now().time_since_epoch())
                                                   .count());
-  if (sharing_.isParticipating()) {
-    SimulationGuides guides(simulation);
-    publisher_.publishFrom(frame_, guides);
-  }
+  if (sharing_.isParticipating()) publisher_.publishFrom(frame_, *guides_);
   controlled_.poses.countFrame(static_cast<int64_t>(steadyTime()));
   report_.setFrames(frame_.frame);
   report_.measureSlice(static_cast<size_t>(std::ceil(static_cast<double>(simulation.model().strands()) /

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -87,6 +88,7 @@ class Daemon {
   Publisher& publisher_;
   ConflictDetector conflict_detector_;
   ControlledSimulation controlled_;
+  std::unique_ptr<GuideSource> guides_;  ///< of the simulation
   StatusReport report_;
   GroomSharing sharing_;
   CommandExecutor executor_;

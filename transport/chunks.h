@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/guide_packing.h"
 #include "transport/messages.h"
 
 namespace strandcast {
@@ -144,11 +145,6 @@ struct GuideChunk {
   std::vector<uint32_t> bent_colliders;  ///< those of them that are bent
   std::vector<float> collider_bends;     ///< kBendNumbers each: middle and terms of a SurfaceBend
   std::vector<uint8_t> payload;
-};
-
-/// The run of whole strands of one chunk.
-struct StrandRun {
-  uint32_t first_strand = 0, strand_count = 0, first_vertex = 0, vertex_count = 0;
 };
 
 /// Throws Error, naming `where`, on a description that a receiver would refuse: see Publisher::announce.

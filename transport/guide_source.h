@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <span>
 
+#include "core/guide_packing.h"
 #include "transport/messages.h"
 
 namespace strandcast {
@@ -14,6 +15,9 @@ class GuideSource {
   /// World positions of all vertices, m, natural order, of which only those of `count` vertices from `first`
   /// on need be right. Valid until the next call. May wait for a device.
   virtual std::span<const Vec3> positions(size_t first, size_t count) = 0;
+  /// The same guides packed: one entry per run of `grid`, valid until the next call of packed(). Empty where
+  /// they are not.
+  virtual std::span<const PackedRun> packed(const GuideGrid&, const PackingFrame&) { return {}; }
 };
 
 /// Guides that are in a frame.

@@ -1,4 +1,4 @@
-// strandbench step, grid and contact as a user runs them, with little hair.
+// strandbench step, encode, grid and contact as a user runs them, with little hair.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -186,6 +186,38 @@ TEST(StepBench, AGpuStepInAirAllocatesNothing) {
   ASSERT_TRUE(report.is_object());
   EXPECT_EQ(report["results"][0]["allocations"], 0);
   EXPECT_GT(report["results"][0]["air_gpu_ms"], 0);
+}
+
+TEST(EncodeBench, TheGpuReadsLessBackAndWritesTheBytesOfTheCpu) {
+  if (!gpuBackendInfo().available) GTEST_SKIP() << "there is no OpenGL 4.5";
+  const std::string few = "encode --strands 200 --vertices 12 --substeps 1 --warmup 1 --steps 3";
+  const nlohmann::json report = benchJson(few);
+  ASSERT_TRUE(report.is_object());
+  expectOrigin(report);
+  EXPECT_TRUE(report["failures"].empty());
+  ASSERT_EQ(report["results"].size(), 2u);
+  const nlohmann::json &gpu = report["results"][0], &cpu = report["results"][1];
+  EXPECT_EQ(gpu["case"], "gpu");
+  EXPECT_EQ(cpu["read_bytes_per_vertex"], 12);
+  EXPECT_LT(gpu["read_bytes_per_vertex"], 6);
+  EXPECT_EQ(gpu["bytes_per_vertex"], cpu["bytes_per_vertex"]);
+  for (const nlohmann::json& run : report["results"]) {
+    EXPECT_EQ(run["frames_different"], 0);
+    EXPECT_GT(run["ms_min"], 0);
+    EXPECT_LE(run["max_error_mm"], 0.01);
+  }
+  const BenchOutput judged = runBench(few + " --most-over-gpu 0");
+  EXPECT_EQ(judged.status, 1);
+  EXPECT_NE(judged.text.find("FAILED"), std::string::npos) << judged.text;
+}
+
+TEST(EncodeBench, EncodesOnACpuToo) {
+  const nlohmann::json report =
+      benchJson("encode --backend simd --threads 1 --strands 200 --vertices 12 --warmup 1 --steps 3");
+  ASSERT_TRUE(report.is_object());
+  ASSERT_EQ(report["results"].size(), 1u);
+  EXPECT_EQ(report["results"][0]["frames_different"], 0);
+  EXPECT_TRUE(report["results"][0]["read_bytes_per_vertex"].is_null());
 }
 
 TEST(GridBench, SaysWhatItsStepsComputed) {

@@ -1,6 +1,7 @@
 #include "transport/codec/guide_encoder.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <cstring>
 #include <exception>
@@ -18,6 +19,8 @@ namespace {
 /// Grid step over error bound. A component is off by at most half a step, a position by sqrt(3) times that.
 /// The factor 0.95 leaves room for rounding on the way to the head's frame and back.
 constexpr float kStepOfError = 0.95f * 2 / 1.7320508f;
+float gridStepOf(const CodecOptions& options) { return kStepOfError * options.max_error; }
+float squaredLimitOf(const CodecOptions& options) { return options.max_error * options.max_error; }
 /// Likewise on a plane. The factor 0.6 leaves room for the error along the strand, which no direction can
 /// correct.
 constexpr float kTangentStepOfError = 0.6f * 2 / 1.4142136f;
@@ -47,8 +50,8 @@ constexpr float kNotHeld = std::numeric_limits<float>::infinity();
 
 ChunkEncoder::ChunkEncoder(EncodedGroom& groom, const StrandCoder& coder)
     : groom_(&groom),
-      squared_limit_(groom.options.max_error * groom.options.max_error),
-      step_(kStepOfError * groom.options.max_error),
+      squared_limit_(squaredLimitOf(groom.options)),
+      step_(gridStepOf(groom.options)),
       tangent_step_(kTangentStepOfError * groom.options.max_error),
       coder_(coder),
       packer_(coder) {}
@@ -198,13 +201,22 @@ void ChunkEncoder::encodeTangents(const GuideFrame& frame, uint32_t index, Guide
   if (own) own->accept(frame.frame, history == nullptr, directions_);
 }
 
-ChunkReport ChunkEncoder::encode(const GuideFrame& frame, std::span<const Vec3> positions, uint32_t index,
+ChunkReport ChunkEncoder::writePacked(const PackedRun& packed, const StrandRun& run, GuideChunk& chunk) {
+  exact_.clear();
+  writePreamble(run, static_cast<uint8_t>(kInBlocks | (packed.along_strand ? kAlongStrand : 0)), step_,
+                chunk.payload);
+  chunk.payload.insert(chunk.payload.end(), packed.symbols.begin(), packed.symbols.end());
+  return {0, std::sqrt(double{packed.worst_squared})};
+}
+
+ChunkReport ChunkEncoder::encode(const GuideFrame& frame, const EncoderInput& guides, uint32_t index,
                                  GuideChunk& chunk) {
-  positions_ = positions;
+  positions_ = guides.positions;
   const StrandRun& run = groom_->runs[index];
   fillGuideHeader(frame, groom_->runs, index, chunk);
   chunk.encoding = encodingOf(groom_->options.codec);
   chunk.key_frame = 0;
+  if (guides.isPacked(index)) return writePacked(guides.packed[index], run, chunk);
   if (chunk.encoding == Encoding::kFloat32) {
     writeFloat32(run, chunk);
     return {};
@@ -233,6 +245,19 @@ int encodingThreads(int asked) {
   return std::min({asked > 0 ? asked : there, there, kMaxEncodingThreads});
 }
 
+GuideGrid gridOf(const EncodedGroom& groom) {
+  static std::atomic<uint64_t> grids{0};
+  GuideGrid grid;
+  grid.number = ++grids;
+  grid.runs = groom.runs;
+  grid.step = gridStepOf(groom.options);
+  grid.per_step = 1 / grid.step;
+  grid.squared_limit = squaredLimitOf(groom.options);
+  for (const Vec3& root : groom.geometry.roots)
+    for (int c = 0; c < 3; ++c) grid.rest_roots.push_back(restGridIndex(root[c], grid.step));
+  return grid;
+}
+
 }  // namespace
 
 /// Threads that encode the chunks of a frame ahead of the thread that sends them.
@@ -245,10 +270,10 @@ class GuideEncoder::EncoderPool {
 
   /// Calls send(chunk, report) on this thread, in order.
   template <class Send>
-  void encodeAll(const GuideFrame& frame, std::span<const Vec3> positions, uint32_t count, const Send& send) {
+  void encodeAll(const GuideFrame& frame, const EncoderInput& guides, uint32_t count, const Send& send) {
     std::unique_lock lock(mutex_);
     frame_ = &frame;
-    positions_of_all_ = positions;
+    guides_ = guides;
     next_ = sent_ = 0;
     count_ = count;
     work_.notify_all();
@@ -294,13 +319,13 @@ class GuideEncoder::EncoderPool {
   void encodeNext(std::unique_lock<std::mutex>& lock) {
     const uint32_t index = next_++;
     const GuideFrame& frame = *frame_;
-    const std::span<const Vec3> positions = positions_of_all_;
+    const EncoderInput guides = guides_;
     Slot& slot = slotOf(index);
     ++under_way_;
     lock.unlock();
     std::exception_ptr failure;
     try {
-      slot.report = slot.encoder.encode(frame, positions, index, slot.chunk);
+      slot.report = slot.encoder.encode(frame, guides, index, slot.chunk);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -320,7 +345,7 @@ class GuideEncoder::EncoderPool {
   std::condition_variable_any work_;  // a chunk may be started
   std::condition_variable ready_;     // a chunk is ready
   const GuideFrame* frame_ = nullptr;
-  std::span<const Vec3> positions_of_all_;
+  EncoderInput guides_;
   uint32_t next_ = 0, sent_ = 0, count_ = 0, under_way_ = 0;
   std::exception_ptr failure_;
   std::vector<Slot> slots_;
@@ -342,8 +367,26 @@ void GuideEncoder::setGroom(const StrandSet& guides) {
   groom_.runs = divideGuides(guides);
   groom_.rests.assign(groom_.runs.size(), {});
   groom_.histories.assign(options.codec == Codec::kTemporal ? groom_.runs.size() : 0, {});
+  grid_ = options.codec == Codec::kDelta16 && !options.zstd ? gridOf(groom_) : GuideGrid();
   report_ = {nameOf(options.codec), options.codec == Codec::kFloat32 ? 0.0 : double{options.max_error}};
   reported_frame_ = 0;
+}
+
+EncoderInput GuideEncoder::inputOf(const GuideFrame& frame, GuideSource& guides) const {
+  EncoderInput out;
+  if (grid_.number != 0) {
+    const HeadFrame head(frame.head);
+    out.packed = guides.packed(grid_, {head.rotation(), head.position()});
+  }
+  size_t begin = guides.vertices(), end = 0;  // of all runs that are not packed
+  for (size_t r = 0; r < groom_.runs.size(); ++r) {
+    const StrandRun& run = groom_.runs[r];
+    if (out.isPacked(r)) continue;
+    begin = std::min<size_t>(begin, run.first_vertex);
+    end = run.first_vertex + run.vertex_count;
+  }
+  if (end > begin) out.positions = guides.positions(begin, end - begin);
+  return out;
 }
 
 void GuideEncoder::add(const GuideFrame& frame, const GuideChunk& chunk, const ChunkReport& report) {
@@ -358,7 +401,7 @@ void GuideEncoder::add(const GuideFrame& frame, const GuideChunk& chunk, const C
 }
 
 void GuideEncoder::encode(const GuideFrame& frame, uint32_t index, GuideChunk& chunk) {
-  const ChunkReport report = own_.encode(frame, frame.positions, index, chunk);
+  const ChunkReport report = own_.encode(frame, {frame.positions}, index, chunk);
   add(frame, chunk, report);
 }
 
@@ -370,17 +413,17 @@ void GuideEncoder::encodeAll(const GuideFrame& frame, const std::function<void(G
 void GuideEncoder::encodeAll(const GuideFrame& frame, GuideSource& guides,
                              const std::function<void(GuideChunk&)>& send) {
   const auto count = static_cast<uint32_t>(groom_.runs.size());
-  const std::span<const Vec3> positions = guides.positions(0, guides.vertices());
+  const EncoderInput input = inputOf(frame, guides);
   if (threads_ == 1 || count <= 1) {
     for (uint32_t i = 0; i < count; ++i) {
-      const ChunkReport report = own_.encode(frame, positions, i, own_chunk_);
+      const ChunkReport report = own_.encode(frame, input, i, own_chunk_);
       add(frame, own_chunk_, report);
       send(own_chunk_);
     }
     return;
   }
   if (!pool_) pool_ = std::make_unique<EncoderPool>(threads_, groom_, coder_);
-  pool_->encodeAll(frame, positions, count, [&](GuideChunk& chunk, const ChunkReport& report) {
+  pool_->encodeAll(frame, input, count, [&](GuideChunk& chunk, const ChunkReport& report) {
     add(frame, chunk, report);
     send(chunk);
   });

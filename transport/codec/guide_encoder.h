@@ -22,6 +22,14 @@ struct EncodedGroom {
   std::vector<TangentHistory> histories;  ///< per run; kTemporal only
 };
 
+/// The guides of a frame: per run packed or in positions.
+struct EncoderInput {
+  std::span<const Vec3> positions;      ///< world, m; only of runs that are not packed
+  std::span<const PackedRun> packed{};  ///< per run; empty = no run is packed
+
+  bool isPacked(size_t run) const { return !packed.empty() && !packed[run].symbols.empty(); }
+};
+
 /// As EncodingReport, of one chunk.
 struct ChunkReport {
   uint64_t strands_sent_finer = 0;
@@ -34,9 +42,8 @@ class ChunkEncoder {
  public:
   /// `groom` must outlive it and its options must not change. Every `coder` writes the same bytes.
   ChunkEncoder(EncodedGroom& groom, const StrandCoder& coder);
-  /// As GuideEncoder::encode, with the guides in `positions`, world, m, in place of frame.positions.
-  ChunkReport encode(const GuideFrame& frame, std::span<const Vec3> positions, uint32_t index,
-                     GuideChunk& chunk);
+  /// As GuideEncoder::encode, with the guides in `guides` in place of frame.positions.
+  ChunkReport encode(const GuideFrame& frame, const EncoderInput& guides, uint32_t index, GuideChunk& chunk);
 
  private:
   void encodeTangents(const GuideFrame& frame, uint32_t index, GuideChunk& chunk);
@@ -44,6 +51,7 @@ class ChunkEncoder {
   void quantizeRoots(const StrandRun& run, const HeadFrame& head, Encoding encoding);
   void collectStrandEnds(const StrandRun& run);
   void forgetExactStrands(const StrandRun& run);
+  ChunkReport writePacked(const PackedRun& packed, const StrandRun& run, GuideChunk& chunk);
   void writeFloat32(const StrandRun& run, GuideChunk& chunk) const;
   void writePreamble(const StrandRun& run, uint8_t mode, float step, std::vector<uint8_t>& bytes) const;
   void writeSymbols(const StrandRun& run, GuideChunk& chunk);
@@ -95,9 +103,12 @@ class GuideEncoder {
 
  private:
   class EncoderPool;
+  /// Has `guides` packed if the options allow it, and takes positions of the other runs.
+  EncoderInput inputOf(const GuideFrame& frame, GuideSource& guides) const;
   void add(const GuideFrame& frame, const GuideChunk& chunk, const ChunkReport& report);
 
   EncodedGroom groom_;
+  GuideGrid grid_;  // without a number where the options need another encoding than blocks of delta16
   const StrandCoder coder_;
   const int threads_;
   ChunkEncoder own_;  // for encoding without the pool
