@@ -14,11 +14,13 @@ namespace {
 
 // As in shaders/pack_guides.comp.
 constexpr size_t kPairNumbers = 16, kMaxPackedPairBytes = 33;
-constexpr size_t kRunWords = 4, kLineWords = 32;
+constexpr size_t kHeadWords = 4, kRunWords = 4, kLineWords = 32;
 constexpr uint32_t kFirstEdge = 0x80000000u, kSampledEdge = 0x40000000u;
 constexpr uint32_t kPaddingSymbol = 0x10000u;
 /// A sample of every 16th strand decides on the prediction: SymbolPacker::prefersAlongStrand().
 constexpr uint32_t kPackerSampleEvery = 16;
+/// Bytes that start() copies beyond those of the frame before, and a 16th of those: frames differ little.
+constexpr size_t kCopyMargin = 4096;
 
 size_t wholeLines(size_t words) { return (words + kLineWords - 1) / kLineWords * kLineWords; }
 size_t pairsFor(size_t numbers) { return (numbers + kPairNumbers - 1) / kPairNumbers; }
@@ -31,21 +33,21 @@ size_t pairsOf(const GuideGrid& grid) {
   return pairs;
 }
 
-/// Per run the first word of its data, with space for the longest; then the end.
-std::vector<size_t> dataBegins(const GuideGrid& grid) {
-  std::vector<size_t> out{wholeLines(kRunWords * grid.runs.size())};
-  for (const StrandRun& run : grid.runs)
-    out.push_back(out.back() + wholeLines((pairsOf(run) * kMaxPackedPairBytes + 3) / 4));
-  return out;
+size_t firstDataWord(const GuideGrid& grid) { return wholeLines(kHeadWords + kRunWords * grid.runs.size()); }
+
+/// Of Packed, with space for the longest data of every run.
+size_t packedBytes(const GuideGrid& grid) {
+  size_t words = firstDataWord(grid);
+  for (const StrandRun& run : grid.runs) words += wholeLines((pairsOf(run) * kMaxPackedPairBytes + 3) / 4);
+  return words * sizeof(uint32_t);
 }
 
-std::vector<std::array<uint32_t, 8>> runTable(const GuideGrid& grid, std::span<const size_t> data_begins) {
+std::vector<std::array<uint32_t, 8>> runTable(const GuideGrid& grid) {
   std::vector<std::array<uint32_t, 8>> table;
   size_t quads = 0;
-  for (size_t r = 0; r < grid.runs.size(); ++r) {
-    const StrandRun& run = grid.runs[r];
+  for (const StrandRun& run : grid.runs) {
     table.push_back({run.first_strand, run.strand_count, run.first_vertex, run.vertex_count,
-                     static_cast<uint32_t>(quads), static_cast<uint32_t>(data_begins[r]), 0, 0});
+                     static_cast<uint32_t>(quads), 0, 0, 0});
     quads += pairsOf(run) * kPairNumbers / 4;
   }
   return table;
@@ -74,16 +76,24 @@ GuidePacker::GuidePacker(const StrandModel& model, const GuideGrid& grid, Progra
       per_step_(grid.per_step),
       squared_limit_(grid.squared_limit),
       runs_(grid.runs.size()),
-      data_begins_(dataBegins(grid)),
-      run_table_(std::span<const std::array<uint32_t, 8>>(runTable(grid, data_begins_))),
+      first_data_word_(static_cast<uint32_t>(firstDataWord(grid))),
+      run_table_(std::span<const std::array<uint32_t, 8>>(runTable(grid))),
       edge_vertices_(std::span<const uint32_t>(edgeVertices(model, grid))),
       rest_roots_(std::span<const int32_t>(grid.rest_roots)),
       symbols_(pairsOf(grid) * kPairNumbers * sizeof(uint32_t), nullptr, 0),
-      packed_(data_begins_.back() * sizeof(uint32_t)) {
+      packed_(packedBytes(grid), nullptr, 0),
+      readback_(packed_.bytes()),
+      next_copy_(packed_.bytes()) {
   if (gl::ranOutOfMemory())
     throw Error("packing guides does not fit the GPU's memory", fmt::format("{} vertices", model.vertices()),
                 "use fewer strands or --backend simd");
   glClearNamedBufferData(symbols_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &kPaddingSymbol);
+  clearTaken();
+}
+
+void GuidePacker::clearTaken() {
+  glClearNamedBufferSubData(packed_.id(), GL_R32UI, 0, sizeof(uint32_t), GL_RED_INTEGER, GL_UNSIGNED_INT,
+                            &first_data_word_);
 }
 
 void GuidePacker::start(const gl::Buffer& guides, const gl::Buffer& offsets, const PackingFrame& frame) {
@@ -108,17 +118,26 @@ void GuidePacker::start(const gl::Buffer& guides, const gl::Buffer& offsets, con
   timer_.begin();
   dispatch(*program_, static_cast<uint32_t>(runs_.size()), 1);
   timer_.end();
-  packed_.expectWrites();
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  copied_ = std::min(next_copy_, packed_.bytes());
+  readback_.copyFrom(packed_, 0, copied_);
+  clearTaken();  // for the next start(); finish() does not wait for it
   glFlush();
 }
 
 std::span<const PackedRun> GuidePacker::finish() {
-  packed_.wait();
-  timer_.poll();
-  const uint32_t* const words = packed_.as<uint32_t>().data();
+  readback_.wait();
+  const uint32_t* const words = readback_.as<uint32_t>().data();
+  const size_t used = std::min(words[0] * sizeof(uint32_t), packed_.bytes());
+  if (used > copied_) {
+    readback_.copyFrom(packed_, copied_, used - copied_);
+    readback_.wait();
+    copied_ = used;
+  }
+  next_copy_ = used + used / 16 + kCopyMargin;
   for (size_t r = 0; r < runs_.size(); ++r) {
-    const uint32_t* const head = words + kRunWords * r;
-    runs_[r] = {{reinterpret_cast<const uint8_t*>(words + data_begins_[r]), head[0]},
+    const uint32_t* const head = words + kHeadWords + kRunWords * r;
+    runs_[r] = {{reinterpret_cast<const uint8_t*>(words + head[3]), head[0]},
                 head[1] != 0,
                 std::bit_cast<float>(head[2])};
   }

@@ -99,11 +99,6 @@ void Readback::copyFrom(const gl::Buffer& from, size_t first, size_t bytes) {
   fence_.set();
 }
 
-void Readback::expectWrites() {
-  glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
-  fence_.set();
-}
-
 void Readback::wait() { fence_.wait(); }
 
 }  // namespace strandcast::gpu

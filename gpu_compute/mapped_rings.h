@@ -57,7 +57,7 @@ class UploadRing {
   Leaders leaders_;
 };
 
-/// Mapped memory of the CPU to which the GPU copies results, or shaders write them.
+/// Mapped memory of the CPU to which the GPU copies results.
 class Readback {
  public:
   /// Throws Error if the GPU cannot map memory.
@@ -65,10 +65,7 @@ class Readback {
 
   /// Records the copy of `bytes` bytes of `from` from byte `first` on, to the same offset in the memory.
   void copyFrom(const gl::Buffer& from, size_t first, size_t bytes);
-  /// For shaders that write to the memory. Call expectWrites() after their dispatch.
-  void bindStorage(GLuint binding) const { buffer_.bindStorage(binding); }
-  void expectWrites();
-  /// Waits for the copies and writes recorded so far.
+  /// Waits for the copies recorded so far.
   void wait();
   /// The memory as an array. Precondition: wait() was called after the last of them.
   template <class T>

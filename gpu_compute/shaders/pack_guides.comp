@@ -16,7 +16,7 @@ const float kFarthest = 1e15;  // m; no grid reaches as far
 
 layout(std430, binding = 0) readonly buffer Guides { float guides[]; };   // 3 per vertex, m
 layout(std430, binding = 1) readonly buffer Offsets { uint offsets[]; };  // first vertex per strand
-// 2 per run: first strand, strands, first vertex, vertices; first of its quads of symbols, first word of its data.
+// 2 per run: first strand, strands, first vertex, vertices; first of its quads of symbols.
 layout(std430, binding = 2) readonly buffer Runs { uvec4 runs[]; };
 // Per edge, strand after strand: the vertex at its end; kFirstEdge: of its strand; kSampled: its strand is one of every 16th
 // of the run.
@@ -26,15 +26,16 @@ layout(std430, binding = 4) readonly buffer RestRoots { int rest_roots[]; };  //
 // One buffer, written number by number and read by fours: a driver may write four where one component is stored.
 layout(std430, binding = 5) coherent buffer Symbols { uint symbols[]; };
 layout(std430, binding = 7) coherent buffer SymbolQuads { uvec4 symbol_quads[]; };
-// Memory of the CPU. Per run four words: bytes of data, 0 if the run is not packed; 1 if edges are predicted from the edge
-// before; bits of the largest squared error; 0. Then the runs' data, each from a multiple of kLine words on.
-layout(std430, binding = 6) writeonly buffer Packed { uint payloads[]; };
+// Four words: the first word that no run has taken yet (its start value is the caller's); 0, 0, 0. Per run four words: bytes
+// of data, 0 if the run is not packed; 1 if edges are predicted from the edge before; bits of the largest squared error;
+// first word of its data. Then the runs' data, each from a multiple of kLine words on, in the order in which they come.
+layout(std430, binding = 6) buffer Packed { uint payloads[]; };
 layout(location = 0) uniform float rotation[9];  // of the head, row after row
 layout(location = 9) uniform vec3 head;          // m, world
 layout(location = 10) uniform vec3 origin;       // m, world: of the guides' coordinates
 layout(location = 11) uniform vec3 grid;         // step, m; 1 / step; largest squared error of a vertex, m^2
 
-shared uint lost, worst_bits, bits_alone, bits_along, bytes_of_all;
+shared uint lost, worst_bits, bits_alone, bits_along, bytes_of_all, first_word;
 shared uint sums[2][kInvocations];
 shared uint window[(kInvocations * kMaxPairBytes + 3u) / 4u + 2u * kLine];  // bytes of a batch of pairs, from a line's start
 uint rest;  // of the window, for the next batch; global, because Mesa may move a read of shared memory past a barrier
@@ -169,15 +170,20 @@ void main() {
   barrier();
   const bool packs = lost == 0u && kHeadBytes + bytes_of_all < 12u * vertices;
   if (me == 0u) {
-    payloads[4u * number] = packs ? bytes_of_all : 0u;
-    payloads[4u * number + 1u] = along ? 1u : 0u;
-    payloads[4u * number + 2u] = worst_bits;
-    payloads[4u * number + 3u] = 0u;
+    const uint lines = packs ? (bytes_of_all + 4u * kLine - 1u) / (4u * kLine) : 0u;
+    const uint taken = atomicAdd(payloads[0], lines * kLine);
+    const uint head_of_run = 4u + 4u * number;
+    payloads[head_of_run] = packs ? bytes_of_all : 0u;
+    payloads[head_of_run + 1u] = along ? 1u : 0u;
+    payloads[head_of_run + 2u] = worst_bits;
+    payloads[head_of_run + 3u] = taken;
+    first_word = taken;
   }
+  barrier();
   if (!packs) return;  // the whole workgroup
 
   // Batches of a pair per invocation. What a batch leaves of a line begins the window of the next.
-  uint to = runs[2u * number + 1u].y, carried = 0u;
+  uint to = first_word, carried = 0u;
   rest = 0u;
   for (uint first = 0u; first < pairs; first += kInvocations) {
     const uint p = first + me;

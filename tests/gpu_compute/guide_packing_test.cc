@@ -301,6 +301,25 @@ TEST_F(GuidePacking, FewBytesAndManyArrive) {
   EXPECT_GT(gpu_encoder_.report().frame_bytes, 3 * few);
 }
 
+TEST_F(GuidePacking, WhatAFrameHasBeyondTheFrameBeforeArrives) {
+  const StrandSet rest = hairOf(3000, [](size_t s) { return 2 + s % 47; });
+  load(rest);
+  StrandSet still = rest;
+  for (size_t s = 0; s < still.strands(); ++s)
+    for (Vec3& p : still.strand(s)) p = still.strand(s)[0];
+  uint64_t before = 0;
+  for (int frame = 0; frame < 6; ++frame) {  // few bytes and many by turns, and never the same many
+    const Pose head = headAt(0.1f * static_cast<float>(frame), Vec3(0, 1.6f, 0));
+    place(frame % 2 == 0 ? swayed(still, head, 0) : swayed(rest, head, 0.2f * static_cast<float>(frame)));
+    EXPECT_EQ(compare(head, "frame " + std::to_string(frame)), 0u);
+    const uint64_t bytes = gpu_encoder_.report().frame_bytes;
+    if (frame % 2 == 1) {
+      EXPECT_GT(bytes, 2 * before + 8192) << frame;
+    }
+    before = bytes;
+  }
+}
+
 TEST_F(GuidePacking, OtherEncodingsAreThoseOfTheCpu) {
   const StrandSet rest = hairOf(200, [](size_t) { return size_t{16}; });
   load(rest);
