@@ -15,7 +15,7 @@ struct StrandRun {
 
 /// How the guides of a groom are packed: encoding 1 (delta16) in blocks of bits, docs/wire.md, "Payloads".
 struct GuideGrid {
-  uint64_t number = 0;              ///< differs between grids of different content; 0 = no grid
+  uint64_t number = 0;  ///< hash of the content: encoders of one groom share what is packed; 0 = no grid
   std::vector<StrandRun> runs;      ///< consecutive; together all strands
   std::vector<int32_t> rest_roots;  ///< grid index of the root at rest: 3 per strand
   float step = 0, per_step = 0;     ///< m; 1 / step

@@ -61,8 +61,7 @@ TEST_F(RealGrooms, HairsBoundToATwentiethOfThemKeepTheirRestShapeAndTheirPart) {
   const Groom groom = loadGroom(ponytail(), {0.0025f, UpAxis::kAuto});
   const StrandSet guides = subset(groom.strands, chooseGuides(groom.strands, groom.strands.strands() / 20));
   const std::vector<HairBinding> bindings = bindHairs(groom.strands, guides);
-  const BoundHairReference reference(guides, guides.positions,
-                                     std::vector<Quat>(guides.strands(), Quat::Identity()), 32);
+  const BoundHairReference reference(guides, guides.positions, std::vector<Pose>(guides.strands()), 32);
   double worst = 0;
   size_t blended = 0;
   for (size_t s = 0; s < bindings.size(); ++s) {

@@ -1,7 +1,6 @@
 #include "transport/codec/guide_encoder.h"
 
 #include <algorithm>
-#include <atomic>
 #include <condition_variable>
 #include <cstring>
 #include <exception>
@@ -11,6 +10,7 @@
 #include <thread>
 
 #include "core/error.h"
+#include "core/hash.h"
 #include "transport/codec/hair_codec.h"
 
 namespace strandcast {
@@ -246,15 +246,19 @@ int encodingThreads(int asked) {
 }
 
 GuideGrid gridOf(const EncodedGroom& groom) {
-  static std::atomic<uint64_t> grids{0};
   GuideGrid grid;
-  grid.number = ++grids;
   grid.runs = groom.runs;
   grid.step = gridStepOf(groom.options);
   grid.per_step = 1 / grid.step;
   grid.squared_limit = squaredLimitOf(groom.options);
   for (const Vec3& root : groom.geometry.roots)
     for (int c = 0; c < 3; ++c) grid.rest_roots.push_back(restGridIndex(root[c], grid.step));
+  ContentHash hash;
+  hash.add(grid.step);
+  hash.add(grid.squared_limit);
+  hash.add(grid.runs.data(), grid.runs.size() * sizeof(StrandRun));
+  hash.add(grid.rest_roots.data(), grid.rest_roots.size() * sizeof(int32_t));
+  grid.number = std::max<uint64_t>(1, hash.value());
   return grid;
 }
 
