@@ -13,6 +13,8 @@ inline real inverse(real a) { return 1 / a; }
 inline real inverseSqrt(real a) { return 1 / std::sqrt(a); }
 inline real sin(real a) { return std::sin(a); }
 inline real cos(real a) { return std::cos(a); }
+inline real exp(real a) { return std::exp(a); }
+inline real log(real a) { return std::log(a); }
 inline real floor(real a) { return std::floor(a); }
 inline real abs(real a) { return std::fabs(a); }
 inline real min(real a, real b) { return a < b ? a : b; }

@@ -22,6 +22,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"kernels", {}},
     {"core", {"kernels"}},
     {"gl", {"core"}},
+    {"light", {"core", "kernels"}},
     {"simd", {"core", "kernels"}},
     {"air", {"core", "kernels"}},
     {"gpu_compute", {"core", "kernels", "gl", "air"}},
