@@ -5,31 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "light/fibre_direction.h"
+
 namespace strandcast {
 namespace {
 
 using kernels::f64::FibreLobes;
 using kernels::f64::FibreRay;
 using kernels::f64::FibreShape;
-
-/// f grows as 1 / cos(theta_i); the bound keeps it finite along the fibre.
-constexpr double kLeastCosine = 1e-9;
-
-/// Inclination of a direction, and its azimuth as a unit vector.
-struct FibreDirection {
-  double sine, cosine, y, z;
-
-  explicit FibreDirection(const Eigen::Vector3d& w) : sine(w.x()), cosine(std::hypot(w.y(), w.z())) {
-    const bool across = cosine > 0;
-    y = across ? w.y() / cosine : 1;
-    z = across ? w.z() / cosine : 0;
-  }
-};
-
-/// phi_o - phi_i
-double azimuthBetween(const FibreDirection& o, const FibreDirection& i) {
-  return kernels::f64::fibreAtan(o.z * i.y - o.y * i.z, o.y * i.y + o.z * i.z);
-}
 
 FibreRay rayOf(const FibreShape& shape, const FibreDirection& o, double h) {
   return kernels::f64::fibreRay(o.sine, o.cosine, std::clamp(h, -1.0, 1.0), shape.index);
