@@ -144,7 +144,7 @@ LANE_FN real lobeVariance(LANE_IN(FibreShape) shape, LANE_IN(real) p) {
 struct FibreRay {
   real gamma_o, gamma_t;  // azimuths of incidence and refraction in the normal plane
   real fresnel;           // reflectance of the surface, outside and inside
-  real length;            // of one passage through the interior, in radii
+  real passage;           // length of one passage through the interior, in radii
 };
 // In the normal plane a fibre refracts with the index sqrt(index^2 - sin^2 theta) / cos theta (Bravais; Marschner et al.
 // 2003, section 4.1).
@@ -156,7 +156,7 @@ LANE_FN FibreRay fibreRay(LANE_IN(real) sin_theta, LANE_IN(real) cos_theta, LANE
   ray.gamma_o = fibreAsin(h);
   ray.gamma_t = fibreAsin(sin_t);
   ray.fresnel = fresnelReflectance(cos_theta * cos_gamma, index);
-  ray.length = lit(2) * sqrt((lit(1) - sin_t) * (lit(1) + sin_t)) * index / inside;
+  ray.passage = lit(2) * sqrt((lit(1) - sin_t) * (lit(1) + sin_t)) * index / inside;
   return ray;
 }
 // Azimuth phi of a path without roughness: 2 p gamma_t - 2 gamma_o + p pi.

@@ -16,11 +16,11 @@ struct FibrePaths {
   real n, length0, length1, length2, length3;
 };
 // Paths with more passages, even in phi. Their number of passages varies, so that a mean length would not do: N(sigma) =
-// N T^3 (share g(F0) + (1 - share) g(F1)) with T = exp(-sigma length), the transmittance of one passage. g(F) = (1 - F) /
+// N T^3 (share g(F0) + (1 - share) g(F1)) with T = exp(-sigma passage), the transmittance of one passage. g(F) = (1 - F) /
 // (1 - T F) is the geometric series of reflections inside. F0, F1: nodes of Gauss for the distribution of the Fresnel
 // reflectance across the fibre.
 struct FibreResidual {
-  real n, share, fresnel0, fresnel1, length;
+  real n, share, fresnel0, fresnel1, passage;
 };
 struct FibreTexel {
   real r;  // N of R
@@ -44,7 +44,7 @@ LANE_FN FibreTexel fibreTexelAt(FIBRE_TABLE_PARAMETER LANE_IN(real) first) {
   t.residual.share = FIBRE_TEXEL(first + lit(2));
   t.residual.fresnel0 = FIBRE_TEXEL(first + lit(3));
   t.residual.fresnel1 = FIBRE_TEXEL(first + lit(4));
-  t.residual.length = FIBRE_TEXEL(first + lit(5));
+  t.residual.passage = FIBRE_TEXEL(first + lit(5));
   t.tt = fibrePathsAt(FIBRE_TABLE first + lit(6));
   t.trt = fibrePathsAt(FIBRE_TABLE first + lit(11));
   return t;
@@ -65,7 +65,7 @@ LANE_FN FibreTexel fibreTexelBetween(LANE_IN(FibreTexel) a, LANE_IN(FibreTexel) 
   t.residual.share = a.residual.share + (b.residual.share - a.residual.share) * part;
   t.residual.fresnel0 = a.residual.fresnel0 + (b.residual.fresnel0 - a.residual.fresnel0) * part;
   t.residual.fresnel1 = a.residual.fresnel1 + (b.residual.fresnel1 - a.residual.fresnel1) * part;
-  t.residual.length = a.residual.length + (b.residual.length - a.residual.length) * part;
+  t.residual.passage = a.residual.passage + (b.residual.passage - a.residual.passage) * part;
   t.tt = fibrePathsBetween(a.tt, b.tt, part);
   t.trt = fibrePathsBetween(a.trt, b.trt, part);
   return t;
@@ -88,13 +88,13 @@ LANE_FN FibreTexel fibreTexel(FIBRE_TABLE_PARAMETER LANE_IN(FibreTableSize) size
 // the light is left.
 LANE_FN real fibreKnot(LANE_IN(real) sigma) { return lit(4) * min(sigma, lit(6)) / (lit(2) + min(sigma, lit(6))); }
 LANE_FN real fibrePaths(LANE_IN(FibrePaths) p, LANE_IN(real) sigma, LANE_IN(real) knot) {
-  real length = p.length0 + (p.length1 - p.length0) * clamp(knot, lit(0), lit(1)) +
+  real mean = p.length0 + (p.length1 - p.length0) * clamp(knot, lit(0), lit(1)) +
                 (p.length2 - p.length1) * clamp(knot - lit(1), lit(0), lit(1)) +
                 (p.length3 - p.length2) * clamp(knot - lit(2), lit(0), lit(1));
-  return p.n * exp(lit(0) - sigma * length);
+  return p.n * exp(lit(0) - sigma * mean);
 }
 LANE_FN real fibreResidual(LANE_IN(FibreResidual) p, LANE_IN(real) sigma) {
-  real t = exp(lit(0) - sigma * p.length);
+  real t = exp(lit(0) - sigma * p.passage);
   real g0 = (lit(1) - p.fresnel0) / max(lit(1) - t * p.fresnel0, lit(1e-6));
   real g1 = (lit(1) - p.fresnel1) / max(lit(1) - t * p.fresnel1, lit(1e-6));
   return p.n * t * t * t * (g1 + (g0 - g1) * p.share);

@@ -22,7 +22,7 @@ std::array<FibreLobes, 3> sharesOf(const FibreMaterial& material, const FibreRay
   std::array<FibreLobes, 3> shares;
   for (int c = 0; c < 3; ++c)
     shares[static_cast<size_t>(c)] =
-        kernels::f64::fibreShares(ray.fresnel, std::exp(-material.sigma_a[c] * ray.length));
+        kernels::f64::fibreShares(ray.fresnel, std::exp(-material.sigma_a[c] * ray.passage));
   return shares;
 }
 

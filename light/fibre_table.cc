@@ -120,8 +120,8 @@ FibreTable::FibreTable(double azimuthal_roughness, double index, int rows, int c
     : rows_(rows), columns_(columns), numbers_(static_cast<size_t>(rows * columns * kTexel)) {
   const double bending = bending_index.value_or(index);
   const double s = kernels::f64::logisticScale(std::max(azimuthal_roughness, kLeastRoughness));
-  // The distribution's harmonics fall as exp(-pi k s): those left out are below 1e-5.
-  const int harmonics = std::max(24, static_cast<int>(std::ceil(3.7 / s)));
+  // The distribution's harmonics fall as exp(-pi k s): those left out are below 1e-4.
+  const int harmonics = std::max(24, static_cast<int>(std::ceil(3.0 / s)));
   // An integrand of these harmonics is smooth in gamma_o, with h = sin(gamma_o).
   const GaussRule rule(harmonics + 32);
   const ArrayXd gammas = rule.nodes * (0.5 * std::numbers::pi);
@@ -138,6 +138,8 @@ FibreTable::FibreTable(double azimuthal_roughness, double index, int rows, int c
   ArrayXd of_r(points);
   MatrixXd of_tt(points, kOfLobe), of_trt(points, kOfLobe), series(1 + 2 * kOfLobe, harmonics);
   std::array<ArrayXd, 3> now, before, twice;  // cos(k Phi) of R, TT, TRT by Chebyshev's recurrence in k
+  std::array<MatrixXd, 3> waves;
+  for (MatrixXd& matrix : waves) matrix.resize(points, harmonics);
   for (auto* list : {&now, &before, &twice})
     for (ArrayXd& array : *list) array.resize(points);
   for (int row = 0; row < rows_; ++row) {
@@ -152,27 +154,28 @@ FibreTable::FibreTable(double azimuthal_roughness, double index, int rows, int c
         twice[lobe][i] = 2 * before[lobe][i];
         now[lobe][i] = 1;
       }
-      residual.add(weights[i], ray.fresnel, ray.length);
+      residual.add(weights[i], ray.fresnel, ray.passage);
       for (int knot = 0; knot < 4; ++knot) {
         const FibreLobes share = kernels::f64::fibreShares(
-            ray.fresnel, std::exp(-kAbsorptionKnots[static_cast<size_t>(knot)] * ray.length));
+            ray.fresnel, std::exp(-kAbsorptionKnots[static_cast<size_t>(knot)] * ray.passage));
         const int column = knot == 0 ? 0 : knot + 1;
         of_r[i] = weights[i] * share.r;
         of_tt(i, column) = weights[i] * share.tt;
         of_trt(i, column) = weights[i] * share.trt;
       }
-      of_tt(i, 1) = of_tt(i, 0) * ray.length;
-      of_trt(i, 1) = 2 * of_trt(i, 0) * ray.length;
+      of_tt(i, 1) = of_tt(i, 0) * ray.passage;
+      of_trt(i, 1) = 2 * of_trt(i, 0) * ray.passage;
     }
     for (int k = 0; k < harmonics; ++k) {
-      series(0, k) = (now[0] * of_r).sum();
-      series.block<kOfLobe, 1>(1, k).noalias() = of_tt.transpose() * now[1].matrix();
-      series.block<kOfLobe, 1>(1 + kOfLobe, k).noalias() = of_trt.transpose() * now[2].matrix();
       for (size_t p = 0; p < 3; ++p) {
+        waves[p].col(k) = now[p];
         before[p] = twice[p] * now[p] - before[p];
         now[p].swap(before[p]);
       }
     }
+    series.topRows<1>().noalias() = of_r.matrix().transpose() * waves[0];
+    series.middleRows<kOfLobe>(1).noalias() = of_tt.transpose() * waves[1];
+    series.middleRows<kOfLobe>(1 + kOfLobe).noalias() = of_trt.transpose() * waves[2];
     const MatrixXd functions = series * cosines;
     const double longest =
         2 * bending / std::sqrt(std::max(bending * bending - sin_theta * sin_theta, 1e-12));

@@ -83,6 +83,12 @@ Suite partOf(Suite suite, const std::string& only);
 std::vector<Case> runSuite(const Suite& suite, const Laboratory& laboratory, const std::string& only = "",
                            const std::function<void(const std::string&, double)>& starting = {});
 
+/// "light": scattering of light by a fibre against ray optics and quadrature. Ignores the laboratory's
+/// backend.
+Suite lightSuite();
+/// Appends the experiments of "light" that need OpenGL 4.5: the shaders' values against C++.
+void addFibreShaderExperiments(std::vector<Experiment>& experiments);
+
 /// "render": the renderer's shaders against slower exact references, e.g. grown hair against the CPU in
 /// double precision. Ignores the laboratory's backend. Throws Error where there is no OpenGL 4.5.
 const Suite& renderSuite();

@@ -65,10 +65,12 @@ Suite allSuites() {
 
 /// Suites that are not part of the simulation's.
 std::vector<Suite> otherSuites() {
+  Suite light = lightSuite();
 #ifdef STRANDCAST_HAS_RENDER
-  return {wireSuite(), poseSuite(), renderSuite()};
+  addFibreShaderExperiments(light.experiments);
+  return {wireSuite(), poseSuite(), light, renderSuite()};
 #else
-  return {wireSuite(), poseSuite()};
+  return {wireSuite(), poseSuite(), light};
 #endif
 }
 
