@@ -16,6 +16,8 @@ find_program(LCM_GEN lcm-gen)  # for a test
 if(NOT STRANDCAST_CLIENT)
   find_package(fcl REQUIRED)
   find_package(TBB REQUIRED)
+  find_package(embree 3 REQUIRED)  # rays of the path tracer
+  find_package(OpenEXR REQUIRED)
   find_package(CLI11 QUIET)
   find_package(tomlplusplus REQUIRED)
   find_package(nlohmann_json REQUIRED)

@@ -1,5 +1,7 @@
 // Lane vocabulary of GLSL 4.50: one float per invocation. real3 and quat are built-in vectors; dot, cross, length,
 // sqrt, abs, min, max, clamp and the operators are built in, too.
+// The guard lets texts that are included together each include it.
+#ifndef LANE_FN
 #define real float
 #define real3 vec3
 #define quat vec4
@@ -15,6 +17,8 @@
 bool maskAll() { return true; }
 bool maskNone() { return false; }
 vec3 zero3() { return vec3(0); }
+#define blend(a, b, t) mix(a, b, t)
+#define fadeBetween(low, high, at) smoothstep(low, high, at)
 float inverse(float a) { return 1.0 / a; }
 float inverseSqrt(float a) { return inversesqrt(a); }
 float madd(float a, float b, float c) { return fma(a, b, c); }
@@ -28,4 +32,5 @@ vec4 select(bool m, vec4 a, vec4 b) { return mix(b, a, bvec4(m)); }
 float select(bool m, float a, float b) { return m ? a : b; }
 vec3 select(bool m, vec3 a, vec3 b) { return m ? a : b; }
 vec4 select(bool m, vec4 a, vec4 b) { return m ? a : b; }
+#endif
 #endif

@@ -15,6 +15,12 @@ inline real sin(real a) { return std::sin(a); }
 inline real cos(real a) { return std::cos(a); }
 inline real exp(real a) { return std::exp(a); }
 inline real log(real a) { return std::log(a); }
+inline real blend(real a, real b, real t) { return a * (1 - t) + b * t; }
+inline real fadeBetween(real low, real high, real at) {
+  real t = (at - low) / (high - low);
+  t = t < 0 ? 0 : t > 1 ? 1 : t;
+  return t * t * (3 - 2 * t);
+}
 inline real floor(real a) { return std::floor(a); }
 inline real abs(real a) { return std::fabs(a); }
 inline real min(real a, real b) { return a < b ? a : b; }

@@ -149,7 +149,9 @@ using O = PictureOptions;
 bool hasNoShadows(const O& o, const Light&) { return !o.settings.shadows; }
 bool isNoSpot(const O&, const Light& light) { return light.kind != LightKind::kSpot; }
 bool isTessellated(const O& o, const Light&) { return o.settings.growth_path == GrowthPath::kTessellator; }
-constexpr const char *kNoShadows = "--shadows is off", *kNoSpot = "the light is no spot";
+bool isNoRectangle(const O&, const Light& light) { return light.kind != LightKind::kRectangle; }
+constexpr const char *kNoShadows = "--shadows is off", *kNoSpot = "the light is no spot",
+                     *kNoRectangle = "the light is no rectangle";
 
 // clang-format off
 constexpr UnusedOption kRules[] = {
@@ -170,6 +172,8 @@ constexpr UnusedOption kRules[] = {
      "a directional light is infinitely far away"},
     {"light-cone", isNoSpot, kNoSpot},
     {"light-edge", isNoSpot, kNoSpot},
+    {"light-width", isNoRectangle, kNoRectangle},
+    {"light-height", isNoRectangle, kNoRectangle},
     {"light-shadow", hasNoShadows, kNoShadows},
     {"shadow-layers", hasNoShadows, kNoShadows},
     {"layer-sizes", hasNoShadows, kNoShadows},

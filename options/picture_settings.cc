@@ -136,6 +136,11 @@ void addPicture(std::vector<PictureSetting>& list) {
                         "red green blue, linear; 0.85 of it in the middle, a quarter of it in the corners; "
                         "also the albedo of the ground",
                         AT(settings.background)));
+  list.push_back(number(group, "exposure", "stops", -20, 20, "each doubles the light that is shown",
+                        AT(settings.exposure)));
+  list.push_back(vector(group, "white-balance", "", 0.01, 1,
+                        "red green blue, linear: the colour of light that is shown neutral",
+                        AT(settings.white_balance)));
 }
 
 void addCamera(std::vector<PictureSetting>& list) {
@@ -222,29 +227,39 @@ void addLights(std::vector<PictureSetting>& list) {
   list.push_back(choice<LightKind>(
       group, "light",
       "directional: parallel, as the sun's; point: from a point in all directions; spot: from a point within "
-      "a cone",
-      {{"directional", LightKind::kDirectional}, {"point", LightKind::kPoint}, {"spot", LightKind::kSpot}},
+      "a cone; rectangle: an area that shines to one side, which the renderer draws as a wide spot",
+      {{"directional", LightKind::kDirectional},
+       {"point", LightKind::kPoint},
+       {"spot", LightKind::kSpot},
+       {"rectangle", LightKind::kRectangle}},
       AT(settings.lights[o.light].kind)));
-  list.push_back(number(group, "light-intensity", "", 0, 10000,
-                        "irradiance relative to the sun that the picture is exposed for; of a point or spot "
-                        "light at 1 m, falling with the inverse square of the distance",
-                        AT(settings.lights[o.light].intensity)));
+  list.push_back(
+      number(group, "light-intensity", "", 0, 10000,
+             "irradiance relative to the sun that the picture is exposed for; of other lights than "
+             "directional ones at 1 m, falling with the inverse square of the distance",
+             AT(settings.lights[o.light].intensity)));
   list.push_back(vector(group, "light-color", "", 0, 1,
                         "red green blue, linear, relative to the sun's colour",
                         AT(settings.lights[o.light].color)));
-  list.push_back(vector(group, "light-direction", "", -1, 1,
-                        "direction in which the light travels; of a spot, its axis; not used by point",
-                        AT(settings.lights[o.light].direction)));
+  list.push_back(
+      vector(group, "light-direction", "", -1, 1,
+             "direction in which the light travels; of a spot or rectangle, its axis; not used by point",
+             AT(settings.lights[o.light].direction)));
   list.back().is_direction = true;
-  list.push_back(vector(group, "light-position", "m", -1000, 1000,
-                        "position of a point or spot light, Y up; shadows fade from 65 to 75 degrees off the "
-                        "direction to the middle of the hair",
-                        AT(settings.lights[o.light].position)));
+  list.push_back(
+      vector(group, "light-position", "m", -1000, 1000,
+             "position of a light that is not directional, Y up; shadows fade from 65 to 75 degrees off the "
+             "direction to the middle of the hair",
+             AT(settings.lights[o.light].position)));
   list.push_back(
       degrees(group, "light-cone", 1, 85, "half angle of a spot's cone", AT(settings.lights[o.light].cone)));
   list.push_back(number(group, "light-edge", "", 0, 1,
                         "outer fraction of a spot's cone over which its light fades; 0 is sharp",
                         AT(settings.lights[o.light].cone_edge)));
+  list.push_back(number(group, "light-width", "m", 1e-3, 100, "horizontal side of a rectangle",
+                        AT(settings.lights[o.light].width)));
+  list.push_back(number(group, "light-height", "m", 1e-3, 100, "other side of a rectangle",
+                        AT(settings.lights[o.light].height)));
   list.push_back(flag(group, "light-shadow", "hair and body cast shadows of this light",
                       AT(settings.lights[o.light].casts_shadow)));
   for (size_t i = first; i < list.size(); ++i) list[i].of_light = true;

@@ -76,6 +76,7 @@ void BodyPass::setBody(const BodyDescription& body) {
     const Vec3 &p = mesh.positions[i], &n = mesh.normals[i];
     rest_.push_back({{p.x(), p.y(), p.z()}, {n.x(), n.y(), n.z()}, weighted ? body.head_weights[i] : 1.0f});
   }
+  placed_ = rest_;
   triangles_ = mesh.triangles;
   computeBounds(rest_);
   vertices_ = gl::Buffer(std::span<const Vertex>(rest_));
@@ -91,6 +92,7 @@ void BodyPass::setObstacles(std::span<const HairObstacle> obstacles) {
   const bool was_carried = !binding_.empty();
   bind();
   if (!was_carried || !binding_.empty()) return;
+  placed_ = rest_;
   vertices_.write(std::span<const Vertex>(rest_));
   computeBounds(rest_);
 }
@@ -123,6 +125,21 @@ void BodyPass::setColliderPoses(std::span<const PlacedCollider> colliders) {
   }
   vertices_.write(std::span<const Vertex>(moved));
   computeBounds(moved);
+  placed_ = std::move(moved);
+}
+
+TriangleMesh BodyPass::mesh(const Pose& head) const {
+  TriangleMesh mesh;
+  mesh.triangles = triangles_;
+  const Eigen::Matrix4f moves = matrix(head);
+  for (const Vertex& v : placed_) {
+    const Vec3 position(v.position), normal(v.normal);
+    const Vec3 moved = moves.topLeftCorner<3, 3>() * position + moves.block<3, 1>(0, 3);
+    const Vec3 turned = moves.topLeftCorner<3, 3>() * normal;
+    mesh.positions.emplace_back(position + v.head_weight * (moved - position));
+    mesh.normals.emplace_back(normal + v.head_weight * (turned - normal));
+  }
+  return mesh;
 }
 
 void BodyPass::drawMesh(const gl::Program& program, const Pose& head) const {

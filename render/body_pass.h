@@ -30,6 +30,9 @@ class BodyPass {
   /// Bounds of the body with its head at rest, or at its colliders' poses, m, world; empty without a body.
   const Box& bounds() const { return bounds_; }
 
+  /// The body in the world, m, with normals.
+  TriangleMesh mesh(const Pose& head) const;
+
   void drawDepth(const Pose& head, size_t light) const;  ///< `light`: index in SceneBlock::lights
   /// Draw into the bound framebuffer, with the bound scene block and shadow maps. `head`: pose of the head.
   void drawBackground() const;
@@ -49,7 +52,8 @@ class BodyPass {
   gl::Buffer vertices_, indices_;
   GLuint empty_vertices_ = 0, mesh_ = 0;
   GLsizei index_count_ = 0;
-  std::vector<Vertex> rest_;  ///< the body as given
+  std::vector<Vertex> rest_;    ///< the body as given
+  std::vector<Vertex> placed_;  ///< at its colliders' poses
   std::vector<std::array<uint32_t, 3>> triangles_;
   std::vector<BodyPart> parts_;
   BodyBinding binding_;

@@ -38,10 +38,9 @@ std::string lightDefines(const LightCounts& counts) {
          std::to_string(counts.casters) + "\n";
 }
 
-ConeCosines coneCosines(const Light& light) {
-  if (light.kind != LightKind::kSpot) return {-2, -3};
-  const float outer = std::cos(light.cone), inner = std::cos(light.cone * (1 - light.cone_edge));
-  return {std::max(inner, outer + 1e-6f), outer};  // a cone without a soft edge is sharp
+Vec3 exposureGains(const RenderSettings& settings) {
+  const Vec3& white = settings.white_balance;
+  return std::exp2(settings.exposure) * Vec3(white.y() / white.x(), 1, white.y() / white.z());
 }
 
 namespace {
@@ -97,6 +96,8 @@ Light clipped(const Light& light) {
   l.intensity = inRange(l.intensity, 0, 1e4f, fallback.intensity);
   l.cone = inRange(l.cone, 0.01f, 1.5f, fallback.cone);
   l.cone_edge = inRange(l.cone_edge, 0, 1, fallback.cone_edge);
+  l.width = inRange(l.width, 1e-3f, 100, fallback.width);
+  l.height = inRange(l.height, 1e-3f, 100, fallback.height);
   return l;
 }
 
@@ -138,6 +139,8 @@ RenderSettings clipped(const RenderSettings& settings) {
   s.hair_color = color(s.hair_color, fallback.hair_color);
   s.body_color = color(s.body_color, fallback.body_color);
   s.background = color(s.background, fallback.background);
+  s.exposure = inRange(s.exposure, -20, 20, fallback.exposure);
+  s.white_balance = color(s.white_balance, fallback.white_balance).cwiseMax(0.01f);
   std::vector<RenderPass> passes;
   for (const RenderPass pass : s.passes)
     if (pass <= kLastPass && std::find(passes.begin(), passes.end(), pass) == passes.end())

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "light/light_sources.h"
 #include "render/framebuffer.h"
 #include "render/hair_growth.h"
 
@@ -37,28 +38,6 @@ constexpr int kMaxOpacityLayers = 15;
 /// Unused entries continue in steps of 1 m.
 std::array<float, kMaxOpacityLayers + 1> layerEnds(const OpacityLayers& layers, float depth);
 
-enum class LightKind { kDirectional, kPoint, kSpot };
-
-inline constexpr size_t kMaxLights = 4;  ///< per picture
-
-/// A light of a picture. A directional light has the irradiance `intensity` perpendicular to its direction,
-/// everywhere. A point or spot light of radiant intensity `intensity` has the irradiance `intensity` / d^2 at
-/// d metres (inverse-square law). The unit is the sun that the renderer is exposed for: 1 is that sun, or a
-/// lamp that is as bright at 1 m.
-struct Light {
-  LightKind kind = LightKind::kDirectional;
-  Vec3 direction{-0.45f, -0.75f, -0.5f};  ///< direction in which the light travels, any length; of a spot its
-                                          ///< axis
-  Vec3 position{0.45f, 0.6f, 0.6f};       ///< m, world; of a point or spot light
-  Vec3 color{1, 1, 1};                    ///< linear, 0 to 1: factors of the sun's red, green and blue
-  float intensity = 1;                    ///< 0 to 10,000
-  float cone = 0.45f;      ///< rad, 0.01 to 1.5: half angle of a spot, from its axis to the edge
-  float cone_edge = 0.2f;  ///< 0 to 1: outer fraction of the cone over which it fades
-  bool casts_shadow = true;
-
-  bool operator==(const Light&) const = default;
-};
-
 /// Numbers of lights for which shaders are compiled.
 struct LightCounts {
   size_t lights = 0, casters = 0;  ///< lights that cast shadows come first
@@ -66,14 +45,6 @@ struct LightCounts {
 };
 /// The preprocessor defines for shaders: "#define LIGHTS 2\n...".
 std::string lightDefines(const LightCounts& counts);
-
-/// Cosines of the angles from the axis between which a spot light fades by 3 t^2 - 2 t^3; the outer cosine is
-/// smaller. Both are below -1 for other kinds, which never fade.
-struct ConeCosines {
-  float inner, outer;
-};
-/// The cosines of a light with valid parameters.
-ConeCosines coneCosines(const Light& light);
 
 /// Diagnostic marks over a picture.
 struct MarkSettings {
@@ -149,6 +120,8 @@ struct RenderSettings {
   Vec3 hair_color{0.30f, 0.17f, 0.08f};  ///< linear; of light scattered once around in the hair
   Vec3 body_color{0.62f, 0.42f, 0.33f};
   Vec3 background{0.30f, 0.33f, 0.38f};
+  float exposure = 0;           ///< stops, -20 to 20: each doubles the radiance that is shown
+  Vec3 white_balance{1, 1, 1};  ///< linear, 0.01 to 1: colour of light that is shown neutral
   /// At most kMaxLights. Without lights there is only ambient light.
   std::vector<Light> lights = std::vector<Light>(1);
   bool shadows = true;    ///< of all lights that cast shadows
@@ -156,6 +129,10 @@ struct RenderSettings {
   /// In this order; duplicates run once. Passes that draw may be in any order, because of the depth test.
   std::vector<RenderPass> passes = allPasses();
 };
+
+/// Factors of radiance before tone mapping (kernels/picture.h), by exposure and white balance. Green has the
+/// exposure alone. Precondition: valid settings.
+Vec3 exposureGains(const RenderSettings& settings);
 
 /// The numbers of lights, and of those that cast shadows with these settings.
 LightCounts countsOf(const RenderSettings& settings);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -391,6 +392,27 @@ struct Renderer::Impl {
     colliders = frame.colliders;
   }
 
+  PictureGeometry geometry(const GuideFrame& frame) {
+    accept(frame);
+    body.setColliderPoses(colliders);
+    std::vector<uint32_t> all(hair->hairs().size());
+    std::iota(all.begin(), all.end(), 0u);
+    hair->select(all);
+    selected = {};  // the next picture lists its hairs again
+    PictureGeometry result;
+    if (!all.empty()) {
+      nodes->update(guides, head, colliders);
+      hair->bodies().place(head, colliders);
+      hair->grow(*nodes, hair->all());
+      addGrownHair(*hair, settings, result);
+    }
+    result.body = body.mesh(head);
+    const Eigen::Vector4f below = ground();
+    result.ground_center = below.head<3>();
+    result.ground_radius = below.w();
+    return result;
+  }
+
   void draw(const Camera& camera) {
     prepare(camera);
     setPassState();
@@ -606,6 +628,8 @@ void Renderer::setObstacles(std::vector<HairObstacle> obstacles) {
   impl_->nodes->setObstacles(obstacles);
   impl_->obstacles = std::move(obstacles);
 }
+
+PictureGeometry Renderer::geometry(const GuideFrame& frame) { return impl_->geometry(frame); }
 
 void Renderer::draw(const GuideFrame& frame, const Camera& camera) {
   impl_->accept(frame);

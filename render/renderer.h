@@ -5,6 +5,7 @@
 #include "io/image.h"
 #include "render/camera.h"
 #include "render/hair_bodies.h"
+#include "render/picture_geometry.h"
 #include "render/render_settings.h"
 #include "transport/messages.h"
 
@@ -62,6 +63,9 @@ class Renderer {
   /// Sets the obstacles of grown hair: penetration into them is resolved or marked. Initially none. Throws
   /// Error on an invalid shape.
   void setObstacles(std::vector<HairObstacle> obstacles);
+  /// What a picture of the frame shows, with hair as draw() grows it, but all of it, with all its segments.
+  /// Precondition: GrowthPath::kCompute.
+  PictureGeometry geometry(const GuideFrame& frame);
   /// Draws into the renderer's own framebuffer. Leaves the default framebuffer bound.
   void draw(const GuideFrame& frame, const Camera& camera);
   /// Reads back the newest picture.

@@ -71,6 +71,7 @@ SceneBlock makeSceneBlock(const RenderSettings& settings, const Camera& wanted, 
   std::vector<Light> lights = settings.lights;
   std::ranges::stable_partition(lights, std::identity(), &Light::casts_shadow);
   std::ranges::transform(lights, block.lights, blockOf);
+  block.exposure = withW(exposureGains(settings), 0);
   block.sampling = {1, 1, 1, 0};
   block.opacity_slices = static_cast<float>((settings.opacity.layers + 1) / 4);
   block.alpha_to_coverage = settings.coverage == HairCoverage::kAlphaToCoverage ? 1.0f : 0.0f;

@@ -45,9 +45,10 @@ struct SceneBlock {
   float opacity_filter = 0;     ///< OpacityLayers::filter
   float alpha_to_coverage = 0;  ///< 1 or 0
   float unused = 0;
+  Eigen::Vector4f exposure;       ///< exposureGains(); w: unused
   LightBlock lights[kMaxLights];  ///< those that cast shadows first
 };
-static_assert(sizeof(LightBlock) == 256 && sizeof(SceneBlock) == 176 + kMaxLights * sizeof(LightBlock));
+static_assert(sizeof(LightBlock) == 256 && sizeof(SceneBlock) == 192 + kMaxLights * sizeof(LightBlock));
 
 /// `camera` with values clamped to what can be drawn.
 Camera clipped(const Camera& camera);

@@ -16,7 +16,7 @@ void main() {
     }
     arriving += lightAt(light, world) * max(towardsLight(light, world).y, 0.0) * lit;
   }
-  vec3 albedo = scene.background.rgb * 0.55;
+  vec3 albedo = scene.background.rgb * groundAlbedo();
   vec3 radiance = albedo * arriving;
-  color = vec4(mix(toneMapped(radiance), backgroundColor(gl_FragCoord.xy), smoothstep(0.15, 1.0, from_center)), 1);
+  color = vec4(mix(toneMapped(radiance), backgroundColor(gl_FragCoord.xy), groundFade(from_center)), 1);
 }

@@ -37,9 +37,7 @@ vec3 scattered(vec3 base, vec3 tangent, vec3 l, vec3 e) {
 // `color`: linear, of the hair at half of its length.
 vec3 hairRadiance(vec3 color, vec3 position, vec3 tangent, float along, float shade, float warmth) {
   vec3 e = normalize(scene.eye.xyz - position);
-  vec3 base = color * (1.0 + 0.35 * shade) * mix(0.75, 1.25, along);
-  base *= vec3(1.0 + 0.10 * warmth, 1.0, 1.0 - 0.10 * warmth);
-  base /= max(max(base.r, max(base.g, base.b)), 1.0);
+  vec3 base = hairTint(color, shade, warmth, along);
   // Dense hair transmits its own colour: the least absorbed component penetrates deepest.
   vec3 tint = color / max(max(color.r, color.g), max(color.b, 1e-3));
   vec3 direct = vec3(0);

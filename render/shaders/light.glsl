@@ -1,8 +1,6 @@
-// The lights of a picture at a point (Light in render/render_settings.h), and the transmittance from a light to a point:
+// The lights of a picture at a point (Light in light/light_sources.h), and the transmittance from a light to a point:
 // solids by a depth map, hair by opacity layers behind its front (deep opacity maps, Yuksel and Keyser 2008). Needs
 // scene.glsl.
-
-const vec3 kSun = vec3(2.3, 2.17, 2.0);  // irradiance of a white light of intensity 1, perpendicular to its direction
 
 // LightCounts: numbers of lights, and of those that cast shadows, which come first.
 #ifndef LIGHTS
@@ -19,7 +17,7 @@ vec3 towardsLight(int light, vec3 world) {
 
 // Irradiance perpendicular to the light's direction, unshadowed: inverse-square law and spot cone.
 vec3 lightAt(int light, vec3 world) {
-  vec3 irradiance = kSun * scene.lights[light].power.rgb;
+  vec3 irradiance = sunIrradiance() * scene.lights[light].power.rgb;
   if (!lightHasPlace(light)) return irradiance;
   vec3 off = scene.lights[light].place.xyz - world;
   float d2 = max(dot(off, off), 1e-6);

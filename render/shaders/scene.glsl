@@ -1,5 +1,7 @@
 // Parameters of a picture in every shader (LightBlock and SceneBlock in render/scene_block.h, field for field), its
-// background, ambient light and tone mapping. Radiance is linear.
+// background, ambient light and tone mapping (kernels/picture.h). Radiance is linear.
+#include "kernels/lanes_glsl.h"
+#include "kernels/picture.h"
 
 struct LightBlock {
   mat4 view_projection;
@@ -19,20 +21,17 @@ layout(std140, binding = 0) uniform Scene {
   vec4 ground;
   vec4 sampling;
   vec4 opacity;
+  vec4 exposure;
   LightBlock lights[4];
 }
 scene;
 
-const vec3 kSky = vec3(0.34, 0.38, 0.45);
-const vec3 kBounce = vec3(0.15, 0.13, 0.12);
+vec3 ambient(vec3 normal) { return mix(skyBelow(), skyAbove(), skyBlend(normal.y)); }
 
-vec3 ambient(vec3 normal) { return mix(kBounce, kSky, 0.5 + 0.5 * normal.y); }
+vec3 toneMapped(vec3 radiance) { return toneMappedBy(scene.exposure.rgb, radiance); }
 
-vec3 toneMapped(vec3 radiance) { return vec3(1) - exp(-radiance); }
-
-// Background in sRGB: lighter behind the middle, darker towards the edges and below.
+// Background, a display value.
 vec3 backgroundColor(vec2 pixel) {
   vec2 from_middle = (pixel - 0.5 * vec2(scene.body_color.w, scene.background.w)) / scene.background.w;
-  float falloff = smoothstep(0.0, 1.1, length(from_middle * vec2(0.8, 1.0)));
-  return scene.background.rgb * mix(0.85, 0.28, falloff) * (1.0 + 0.25 * from_middle.y);
+  return backdropColor(scene.background.rgb, from_middle.x, from_middle.y);
 }

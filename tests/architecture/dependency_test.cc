@@ -22,7 +22,7 @@ const std::map<std::string, Folders> kAllowed = {
     {"kernels", {}},
     {"core", {"kernels"}},
     {"gl", {"core"}},
-    {"light", {"core", "kernels"}},
+    {"light", {"core", "kernels", "io"}},
     {"simd", {"core", "kernels"}},
     {"air", {"core", "kernels"}},
     {"gpu_compute", {"core", "kernels", "gl", "air"}},
@@ -32,7 +32,8 @@ const std::map<std::string, Folders> kAllowed = {
     {"scenes", {"core", "kernels", "collision", "io", "groom"}},
     {"transport", {"core", "kernels"}},
     {"render", {"core", "kernels", "io", "groom", "light", "transport", "gl"}},
-    {"options", {"core", "kernels", "air", "collision", "io", "groom", "scenes", "transport", "render"}},
+    {"options",
+     {"core", "kernels", "light", "air", "collision", "io", "groom", "scenes", "transport", "render"}},
     {"service",
      {"core", "kernels", "simd", "air", "gpu_compute", "collision", "io", "groom", "scenes", "transport",
       "options"}},
@@ -59,6 +60,8 @@ const std::vector<Confined> kConfined = {
     {{"openssl"}, "OpenSSL", {"transport"}},
     {{"epoxy", "GL", "EGL", "GLES2", "GLES3", "KHR"}, "GL", {"gl", "gpu_compute", "render", "apps/viewer"}},
     {{"GLFW", "imgui"}, "the window", {"apps/viewer"}},
+    {{"embree3"}, "Embree", {"light"}},
+    {{"OpenEXR"}, "OpenEXR", {"io"}},
 };
 
 std::string folderOf(const std::string& path) { return path.substr(0, path.find('/')); }
