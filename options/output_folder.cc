@@ -140,7 +140,7 @@ void PictureFolder::removeEarlier() const {
 }
 
 void PictureFolder::write(const Image& picture) {
-  if (written_ == 0) removeEarlier();
+  if (written_ == 0 && !keeps_earlier_) removeEarlier();
   writePng(picturePath(folder_, written_), picture);
   ++written_;
 }

@@ -22,13 +22,16 @@ class OutputFolder {
 };
 
 /// Numbered pictures in one folder, from frame_0000.png on. The first picture written removes the pictures of
-/// an earlier run and logs their number. Files of other names are kept.
+/// an earlier run and logs their number, unless they are kept. Files of other names are kept.
 class PictureFolder {
  public:
   /// Creates the folder as OutputFolder does. Throws Error.
-  explicit PictureFolder(const std::filesystem::path& folder) : folder_(folder), made_(folder) {}
+  explicit PictureFolder(const std::filesystem::path& folder, bool keeps_earlier = false)
+      : folder_(folder), made_(folder), keeps_earlier_(keeps_earlier) {}
   /// Writes the next picture. Throws Error where that fails.
   void write(const Image& picture);
+  /// Counts a picture that is there already.
+  void skip() { ++written_; }
   int written() const { return written_; }
   /// "out/frame_*.png"
   std::string pattern() const { return (folder_ / "frame_*.png").string(); }
@@ -38,6 +41,7 @@ class PictureFolder {
 
   const std::filesystem::path folder_;
   const OutputFolder made_;
+  const bool keeps_earlier_;
   int written_ = 0;
 };
 

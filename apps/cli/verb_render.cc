@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "apps/cli/verbs.h"
 #include "core/error.h"
@@ -17,6 +19,7 @@
 #include "options/picture_options.h"
 #include "options/picture_scene.h"
 #include "options/scene_loading.h"
+#include "options/traced_picture.h"
 #include "service/scene_simulation.h"
 #include "service/slices.h"
 #include "service/stream.h"
@@ -27,6 +30,7 @@ namespace {
 struct RenderOptions {
   std::unique_ptr<SettingsOptions> settings;
   PictureOptions picture;
+  TraceOptions trace;
   std::filesystem::path out = "out";
   std::filesystem::path movie;
   std::string show = "hair", slice = "z";
@@ -35,7 +39,7 @@ struct RenderOptions {
   double skip = 0;      // s
   double timeout = 20;  // s
   bool json = false;
-  CLI::Option* movie_option = nullptr;
+  CLI::Option *movie_option = nullptr, *frames_option = nullptr;
   bool films() const { return movie_option->count() > 0; }
 };
 
@@ -111,11 +115,101 @@ int renderAir(const RenderOptions& o, const Settings& settings) {
   return g_interrupted ? kExitInterrupted : 0;
 }
 
+/// Of path traced pictures: totals, and the noise of the worst.
+void reportTraced(const RenderOptions& o, const std::vector<TracedPicture>& traced) {
+  TracedPicture all;
+  int there = 0;
+  for (const TracedPicture& one : traced) {
+    all.samples += one.samples;
+    all.seconds += one.seconds;
+    all.error = std::max(all.error, one.error);
+    all.hairs = std::max(all.hairs, one.hairs);
+    all.segments = std::max(all.segments, one.segments);
+    there += one.was_there;
+  }
+  const double made = static_cast<double>(traced.size()) - there;
+  const double pixels = made * o.picture.settings.width * o.picture.settings.height;
+  Report out;
+  out.addCount("hairs", "hairs", all.hairs);
+  out.addCount("segments", "segments of hair", all.segments);
+  out.addCount("frames_traced", "frames traced", static_cast<uint64_t>(made));
+  if (there > 0) out.addCount("frames_there", "frames that were there", static_cast<uint64_t>(there));
+  if (made > 0) {
+    out.add("samples_per_pixel", "samples per pixel, mean", static_cast<double>(all.samples) / pixels, "", 1);
+    out.add("relative_error", "standard error over the mean", all.error, "", 5);
+    out.add("trace_s", "tracing", all.seconds, "s", 2);
+  }
+  out.add("out", "pictures", (o.out / "frame_*.exr, *.png").string());
+  out.print(o.json);
+}
+
+/// A captured frame with the colliders of its time.
+struct Shot {
+  CapturedFrame captured;
+  std::shared_ptr<const ColliderSet> colliders;
+};
+
+/// Captures all frames, ends the stream, so that a scene in this process takes no more time, and traces them.
+int renderTraced(const RenderOptions& o, const Settings& settings) {
+  if (o.show != "hair")
+    throw Error("slices through grids are not path traced", "--show " + o.show, "leave out --method");
+  if (o.films()) checkMovie(o.movie);
+  const Sky sky = skyOf(o.trace);
+  RenderSettings render_settings = renderSettings(o.picture);
+  render_settings.growth_path = GrowthPath::kCompute;
+  PictureFolder pictures(o.out, o.trace.resume);
+  const int frames = o.frames_option->count() > 0 ? o.frames : 1;
+  std::vector<Shot> shots;
+  {
+    Stream stream(settings, o.settings->namesScene(), o.timeout);
+    FrameCapture capture(stream, {frames, o.fps, o.skip, o.timeout});
+    while (std::optional<CapturedFrame> captured = capture.next())
+      shots.push_back({*std::move(captured), stream.subscriber().colliders()});
+  }
+  gl::HeadlessContext context;
+  context.makeCurrent();
+  Renderer renderer(render_settings);
+  StreamScene scene;
+  Box box;
+  std::vector<TracedPicture> traced;
+  for (size_t i = 0; i < shots.size() && !g_interrupted; ++i) {
+    const Shot& shot = shots[i];
+    const bool is_new = shot.captured.scene != scene;
+    if (is_new) {
+      scene = shot.captured.scene;
+      setScene(renderer, *scene.groom, *scene.body, scene.hairs.get());
+      box = pictureBox(*scene.groom, *scene.body, renderer.hairReach());
+    }
+    if (is_new || shot.colliders != shots[i - 1].colliders)
+      setObstacles(renderer, o.picture, shot.colliders.get(), *scene.body);
+    std::filesystem::path file = picturePath(o.out, pictures.written());
+    file.replace_extension(".exr");
+    traced.push_back(tracePicture(pathScene(renderer.geometry(*shot.captured.frame), renderer.settings(),
+                                            pictureCamera(o.picture, box), o.trace, sky),
+                                  o.trace, exposureGains(renderer.settings()), file,
+                                  fmt::format("frame {} of {}", i + 1, frames)));
+    if (traced.back().was_there)
+      pictures.skip();
+    else
+      pictures.write(std::exchange(traced.back().image, {}));
+  }
+  if (o.films() && pictures.written() > 0) makeMovie(o.out, pictures.written(), o.fps, o.movie);
+  if (!traced.empty()) reportTraced(o, traced);
+  if (g_interrupted) return kExitInterrupted;
+  if (static_cast<int>(traced.size()) < frames) {
+    spdlog::warn("the stream ended after {} of {} frames", traced.size(), frames);
+    return kExitCheckFailed;
+  }
+  return 0;
+}
+
 int render(const RenderOptions& o) {
   o.settings->refuseWithoutScene();
   o.settings->warnOfUnusedNetwork();
   warnOfUnusedPictureOptions(o.picture);
+  checkTraceOptions(o.trace, o.picture);
   const Settings settings = o.settings->resolve();
+  if (o.trace.is_on) return renderTraced(o, settings);
   if (o.show != "hair") return renderAir(o, settings);
   if (o.films()) checkMovie(o.movie);
   PictureFolder pictures(o.out);
@@ -183,11 +277,13 @@ Verb addRender(CLI::App& app) {
       "Examples:\n"
       "  strandcast render --frames 60 --out out\n"
       "  strandcast render --scene curly --frames 90 --out out --movie curly.mp4\n"
+      "  strandcast render --scene curly --method path_tracer --spp 64 --width 512 --height 512\n"
       "  strandcast render --scene straight --set wind=3,0,0 --set wind_grid=1 --show wind");
   app.add_option("--out", o->out, "folder for frame_0000.png and following")->capture_default_str();
-  app.add_option("--frames", o->frames, "number of pictures to draw")
-      ->transform(wholeRange(1, 1000000))
-      ->capture_default_str();
+  o->frames_option =
+      app.add_option("--frames", o->frames, "number of pictures to draw; by default one of the path tracer")
+          ->transform(wholeRange(1, 1000000))
+          ->capture_default_str();
   app.add_option("--fps", o->fps,
                  "pictures per second of simulated time; a picture between two frames of the stream "
                  "interpolates them")
@@ -213,6 +309,7 @@ Verb addRender(CLI::App& app) {
       ->capture_default_str();
   app.add_flag("--json", o->json, "print the closing summary as one JSON object");
   addPictureOptions(app, o->picture);
+  addTraceOptions(app, o->trace);
   o->settings = std::make_unique<SettingsOptions>(app);
   return [o] { return render(*o); };
 }
