@@ -88,6 +88,8 @@ std::vector<Case> runSuite(const Suite& suite, const Laboratory& laboratory, con
 Suite lightSuite();
 /// Appends the experiments of "light" that need OpenGL 4.5: the shaders' values against C++.
 void addFibreShaderExperiments(std::vector<Experiment>& experiments);
+/// Appends those of whole heads, which the renderer grows and the path tracer lights.
+void addHairFurnaceExperiments(std::vector<Experiment>& experiments);
 
 /// "render": the renderer's shaders against slower exact references, e.g. grown hair against the CPU in
 /// double precision. Ignores the laboratory's backend. Throws Error where there is no OpenGL 4.5.

@@ -68,6 +68,7 @@ std::vector<Suite> otherSuites() {
   Suite light = lightSuite();
 #ifdef STRANDCAST_HAS_RENDER
   addFibreShaderExperiments(light.experiments);
+  addHairFurnaceExperiments(light.experiments);
   return {wireSuite(), poseSuite(), light, renderSuite()};
 #else
   return {wireSuite(), poseSuite(), light};
