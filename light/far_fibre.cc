@@ -14,7 +14,7 @@ namespace {
 kernels::f64::real3 asReal3(const Eigen::Array3d& a) { return kernels::f64::makeReal3(a[0], a[1], a[2]); }
 Eigen::Array3d asArray(const kernels::f64::real3& a) { return {a.x, a.y, a.z}; }
 
-/// Rows and columns of each of an elliptic fibre's tables: 958 KB together.
+/// Rows and columns of each of an elliptic fibre's tables: 979 KB together.
 constexpr int kEllipticRows = 30, kEllipticColumns = 85;
 constexpr int kEllipticTables = 5;
 

@@ -18,7 +18,7 @@ namespace strandcast {
 class FibreTable {
  public:
   static constexpr int kTexel = 16;                 ///< numbers of a texel, see FibreTexel
-  static constexpr int kRows = 80, kColumns = 193;  ///< 965 KB
+  static constexpr int kRows = 80, kColumns = 193;  ///< 988 KB
   /// Lobes of a lesser azimuthal roughness are narrower than the steps of a table: they are drawn as this
   /// one.
   static constexpr double kLeastRoughness = 0.1;

@@ -10,7 +10,7 @@ namespace {
 namespace f64 = kernels::f64;
 
 Vec3 asVec3(const kernels::f32::real3& a) { return {a.x, a.y, a.z}; }
-f64::real3 widened(const kernels::f32::real3& a) { return f64::makeReal3(a.x, a.y, a.z); }
+f64::real3 inDouble(const kernels::f32::real3& a) { return f64::makeReal3(a.x, a.y, a.z); }
 
 }  // namespace
 
@@ -57,8 +57,8 @@ Eigen::Array3d fibreValue(FibreFunction function, const FibreConstants& fibre,
                           const FibreArguments& arguments) {
   const FibreArguments& a = arguments;
   const f64::FibreShape shape{fibre.shape.variance, fibre.shape.scale, fibre.shape.index,
-                              widened(fibre.shape.tilt_sin), widened(fibre.shape.tilt_cos)};
-  const f64::MarschnerLobes lobes{widened(fibre.lobes.shift), widened(fibre.lobes.width)};
+                              inDouble(fibre.shape.tilt_sin), inDouble(fibre.shape.tilt_cos)};
+  const f64::MarschnerLobes lobes{inDouble(fibre.lobes.shift), inDouble(fibre.lobes.width)};
   const f64::FibreTableSize size{fibre.size.rows, fibre.size.columns, fibre.size.first};
   const f64::real3 sigma = f64::makeReal3(a.sigma[0], a.sigma[1], a.sigma[2]);
   const float* table = fibre.table.data();

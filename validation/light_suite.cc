@@ -18,9 +18,9 @@ namespace {
 using Eigen::Array3d;
 using Eigen::Vector3d;
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kDegree = kTurn / 360;
-constexpr double kTilts[] = {0, 2, 5};  // degrees
+constexpr double kAround = 2 * std::numbers::pi;
+constexpr double kRadians = kAround / 360;
+constexpr double kTiltDegrees[] = {0, 2, 5};  // degrees
 
 Vector3d fibreDirection(double theta, double phi) {
   return {std::sin(theta), std::cos(theta) * std::cos(phi), std::cos(theta) * std::sin(phi)};
@@ -31,7 +31,7 @@ FibreMaterial fibreOf(double roughness, double tilt_degrees, const Array3d& sigm
   FibreMaterial material;
   material.sigma_a = sigma_a;
   material.longitudinal_roughness = material.azimuthal_roughness = roughness;
-  material.tilt = tilt_degrees * kDegree;
+  material.tilt = tilt_degrees * kRadians;
   return material;
 }
 
@@ -47,10 +47,10 @@ Array3d overSphere(double roughness, const Function& of) {
   for (int i = 0; i < rows; ++i) {
     const double theta = std::numbers::pi * ((i + 0.5) / rows - 0.5);
     Array3d row = Array3d::Zero();
-    for (int j = 0; j < columns; ++j) row += of(fibreDirection(theta, kTurn * (j + 0.5) / columns));
+    for (int j = 0; j < columns; ++j) row += of(fibreDirection(theta, kAround * (j + 0.5) / columns));
     sum += row * std::cos(theta);
   }
-  return sum * (std::numbers::pi / rows) * (kTurn / columns);
+  return sum * (std::numbers::pi / rows) * (kAround / columns);
 }
 
 // Ray optics.
@@ -63,7 +63,7 @@ constexpr RayTrial kRayTrials[] = {{0, 0, 0.3},   {30, 0, 0.3},   {60, 0, 0.3},
                                    {0, 0.5, 0.3}, {60, 0.5, 0.3}, {30, 0.2, 0.15}};
 constexpr const char* kLobes[] = {"R", "TT", "TRT"};
 
-std::string nameOf(const RayTrial& trial, const char* lobe, const char* what) {
+std::string nameOfRays(const RayTrial& trial, const char* lobe, const char* what) {
   return fmt::format("rays: {} {:g} deg, sigma {:g}, roughness {:g}, {}", lobe, trial.degrees, trial.sigma,
                      trial.roughness, what);
 }
@@ -72,7 +72,7 @@ std::vector<std::string> rayNames() {
   std::vector<std::string> names;
   for (const RayTrial& trial : kRayTrials)
     for (const char* lobe : kLobes)
-      for (const char* what : {"N", "albedo"}) names.push_back(nameOf(trial, lobe, what));
+      for (const char* what : {"N", "albedo"}) names.push_back(nameOfRays(trial, lobe, what));
   return names;
 }
 
@@ -81,26 +81,26 @@ std::vector<Case> rayCases(const Laboratory& laboratory) {
   std::vector<Case> cases;
   for (const RayTrial& trial : kRayTrials) {
     laboratory.checkStopped();
-    const double theta = trial.degrees * kDegree, s = kernels::f64::logisticScale(trial.roughness);
+    const double theta = trial.degrees * kRadians, s = kernels::f64::logisticScale(trial.roughness);
     const FibreTable table(trial.roughness, 1.55);
     const ScatteredRays rays = traceCylinder({1.55, trial.sigma}, theta, kRays, 1);
     std::array<double, 3> error{}, peak{}, albedo{};
     for (int j = 0; j < kAngles; ++j) {
-      const double phi = kTurn * ((j + 0.5) / kAngles - 0.5);
+      const double phi = kAround * ((j + 0.5) / kAngles - 0.5);
       const kernels::f64::FibreLobes n = table.at(std::cos(theta), phi, trial.sigma);
       const std::array<double, 3> found{n.r, n.tt, n.trt};
       for (size_t p = 0; p < 3; ++p) {
         const double exact = roughenedDensity(rays.histogram[p], s, phi);
         error[p] += std::abs(found[p] - exact) / kAngles;
         peak[p] = std::max(peak[p], exact);
-        albedo[p] += found[p] * kTurn / kAngles;
+        albedo[p] += found[p] * kAround / kAngles;
       }
     }
     for (size_t p = 0; p < 3; ++p) {
-      cases.push_back(
-          absoluteCase({nameOf(trial, kLobes[p], "N"), "mean error of N over its peak, by ray optics", "%"},
-                       100 * error[p] / peak[p], 0, 2));
-      cases.push_back(relativeCase({nameOf(trial, kLobes[p], "albedo"), "integral of N over phi", ""},
+      cases.push_back(absoluteCase(
+          {nameOfRays(trial, kLobes[p], "N"), "mean error of N over its peak, by ray optics", "%"},
+          100 * error[p] / peak[p], 0, 2));
+      cases.push_back(relativeCase({nameOfRays(trial, kLobes[p], "albedo"), "integral of N over phi", ""},
                                    albedo[p], rays.albedo[p], 0.5));
     }
     cases.back().note =
@@ -124,11 +124,11 @@ std::pair<double, double> ellipticErrors(double axis_ratio) {
   const double longitudinal = kernels::f64::marschnerLongitudinal(0, 0, lobes.width.z);
   const ScatteredRays round = traceCylinder({}, 0, kRays, 2);
   double model = 0, instead = 0;
-  for (const double azimuth : {0.0, kTurn / 8, kTurn / 4}) {
+  for (const double azimuth : {0.0, kAround / 8, kAround / 4}) {
     const ScatteredRays exact = traceCylinder({1.55, 0, axis_ratio, azimuth}, 0, kRays, 3);
     double error = 0, error_round = 0, peak = 0;
     for (int j = 0; j < kAngles; ++j) {
-      const double phi = kTurn * ((j + 0.5) / kAngles - 0.5),
+      const double phi = kAround * ((j + 0.5) / kAngles - 0.5),
                    truth = roughenedDensity(exact.histogram[2], s, phi);
       const double found =
           fibre.f(fibreDirection(0, azimuth + phi), fibreDirection(0, azimuth))[0] / longitudinal;
@@ -164,7 +164,7 @@ const std::vector<double> kRoughnesses{0.05, 0.1, 0.3, 0.6, 1};
 std::vector<std::string> withTilts(std::string_view what, const std::vector<double>& roughnesses) {
   std::vector<std::string> names;
   for (const double roughness : roughnesses)
-    for (const double tilt : kTilts)
+    for (const double tilt : kTiltDegrees)
       names.push_back(fmt::format("{}: roughness {:g}, tilt {:g} deg", what, roughness, tilt));
   return names;
 }
@@ -173,14 +173,14 @@ std::vector<std::string> withTilts(std::string_view what, const std::vector<doub
 template <class Use>
 void forViews(const Use& use) {
   for (const double theta : {-75.0, -20.0, 0.0, 45.0, 85.0})
-    for (const double h : {-0.95, 0.0, 0.6}) use(fibreDirection(theta * kDegree, 0.4), h);
+    for (const double h : {-0.95, 0.0, 0.6}) use(fibreDirection(theta * kRadians, 0.4), h);
 }
 
 std::vector<Case> furnaceCases(const Laboratory& laboratory) {
   std::vector<Case> cases;
   const std::vector<std::string> names = withTilts("furnace", kRoughnesses);
   for (const double roughness : kRoughnesses)
-    for (const double tilt : kTilts) {
+    for (const double tilt : kTiltDegrees) {
       laboratory.checkStopped();
       const ChiangFibre fibre(fibreOf(roughness, tilt, Array3d::Zero()));
       double worst = 1;
@@ -200,7 +200,7 @@ std::vector<Case> pdfCases(const Laboratory& laboratory) {
   std::vector<Case> cases;
   const std::vector<std::string> names = withTilts("pdf", kRoughnesses);
   for (const double roughness : kRoughnesses)
-    for (const double tilt : kTilts) {
+    for (const double tilt : kTiltDegrees) {
       laboratory.checkStopped();
       const ChiangFibre fibre(fibreOf(roughness, tilt, {0.1, 0.5, 2}));
       double worst = 1;
@@ -221,16 +221,16 @@ double chiSquareDeviation(const ChiangFibre& fibre, const Vector3d& wo, double h
                           unsigned seed) {
   constexpr int kRows = 20, kColumns = 40, kFine = 32, kLeastExpected = 8;
   auto bin = [](double theta, double phi) {
-    const double turn = phi / kTurn - std::floor(phi / kTurn);
+    const double turn = phi / kAround - std::floor(phi / kAround);
     const int row = std::min(static_cast<int>((theta / std::numbers::pi + 0.5) * kRows), kRows - 1);
     return row * kColumns + std::min(static_cast<int>(turn * kColumns), kColumns - 1);
   };
   std::vector<double> expected(kRows * kColumns), found(kRows * kColumns);
-  constexpr double kArea = std::numbers::pi / (kRows * kFine) * kTurn / (kColumns * kFine);
+  constexpr double kArea = std::numbers::pi / (kRows * kFine) * kAround / (kColumns * kFine);
   for (int i = 0; i < kRows * kFine; ++i)
     for (int j = 0; j < kColumns * kFine; ++j) {
       const double theta = std::numbers::pi * ((i + 0.5) / (kRows * kFine) - 0.5);
-      const double phi = kTurn * (j + 0.5) / (kColumns * kFine);
+      const double phi = kAround * (j + 0.5) / (kColumns * kFine);
       expected[static_cast<size_t>(bin(theta, phi))] +=
           fibre.pdf(wo, fibreDirection(theta, phi), h) * std::cos(theta) * kArea * samples;
     }
@@ -265,14 +265,14 @@ std::vector<Case> samplingCases(const Laboratory& laboratory) {
   std::vector<Case> cases;
   const std::vector<std::string> names = withTilts("chi-square", kSampledRoughnesses);
   for (const double roughness : kSampledRoughnesses)
-    for (const double tilt : kTilts) {
+    for (const double tilt : kTiltDegrees) {
       laboratory.checkStopped();
       const ChiangFibre fibre(fibreOf(roughness, tilt, {0.1, 0.5, 2}));
       double worst = -100;
       unsigned seed = 1;
       for (const double theta : {-60.0, 10.0, 80.0})
         worst = worse(worst,
-                      chiSquareDeviation(fibre, fibreDirection(theta * kDegree, 2), 0.4, kSamples, seed++));
+                      chiSquareDeviation(fibre, fibreDirection(theta * kRadians, 2), 0.4, kSamples, seed++));
       cases.push_back(
           absoluteCase({names[cases.size()], "standard deviations above the mean, worst of 3 views", ""},
                        std::max(worst, 0.0), 0, 4));
@@ -286,14 +286,15 @@ Array3d skyAt(const Vector3d& w) {
 }
 
 /// Additive recurrence of low discrepancy in four dimensions: powers of 1 / g, g^5 = g + 1.
-constexpr double kSteps[] = {0.8566748838545029, 0.733891856627126, 0.6287067210378087, 0.5385972572236101};
+constexpr double kRecurrence[] = {0.8566748838545029, 0.733891856627126, 0.6287067210378087,
+                                  0.5385972572236101};
 
 std::vector<Case> importanceCases(const Laboratory& laboratory) {
   constexpr int kSamples = 200000;
   std::vector<Case> cases;
   const std::vector<std::string> names = withTilts("importance", kSampledRoughnesses);
   for (const double roughness : kSampledRoughnesses)
-    for (const double tilt : kTilts) {
+    for (const double tilt : kTiltDegrees) {
       laboratory.checkStopped();
       const ChiangFibre fibre(fibreOf(roughness, tilt, {0.1, 0.5, 2}));
       const Vector3d wo = fibreDirection(0.5, 1);
@@ -304,7 +305,7 @@ std::vector<Case> importanceCases(const Laboratory& laboratory) {
       Array3d sum = Array3d::Zero();
       double most = 0;
       for (int k = 0; k < kSamples; ++k) {
-        const auto u = [k](int dimension) { return std::fmod(0.5 + k * kSteps[dimension], 1.0); };
+        const auto u = [k](int dimension) { return std::fmod(0.5 + k * kRecurrence[dimension], 1.0); };
         const ChiangFibre::Sample s = fibre.sample(wo, h, u(0), u(1), u(2), u(3));
         const Array3d weight = s.f * cosineOfInclination(s.wi) / s.pdf;
         most = std::max(most, weight.maxCoeff());
@@ -424,8 +425,8 @@ std::vector<Case> tableCases(const Laboratory& laboratory) {
       const FarChiangFibre far_field(material, table);
       for (const double degrees : {-80.0, -55.0, -33.0, 0.0, 12.0, 71.0})
         for (int j = 0; j < 48; ++j) {
-          const Vector3d wo = fibreDirection(degrees * kDegree, 0),
-                         wi = fibreDirection((3 - degrees) * kDegree, kTurn * (j + 0.3) / 48);
+          const Vector3d wo = fibreDirection(degrees * kRadians, 0),
+                         wi = fibreDirection((3 - degrees) * kRadians, kAround * (j + 0.3) / 48);
           // h = sin(gamma); the substitution of gamma makes the ends of the interval smooth. Narrow lobes
           // need more points.
           const int points = roughness < 0.3 ? 256 : 64;
