@@ -83,22 +83,24 @@ ChiangFibre::ChiangFibre(const FibreMaterial& material) : material_(material) {
 }
 
 Eigen::Array3d ChiangFibre::f(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi, double h) const {
-  const FibreDirection o(wo), i(wi);
-  const FibreRay ray = rayOf(shape_, o, h);
-  return valueOf(sharesOf(material_, ray),
-                 fibreDensities(shape_, ray, o.sine, o.cosine, i.sine, i.cosine, azimuthBetween(o, i)),
-                 i.cosine);
+  return evaluate(wo, wi, h).f;
 }
 
 double ChiangFibre::pdf(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi, double h) const {
+  return evaluate(wo, wi, h).pdf;
+}
+
+ChiangFibre::Sample ChiangFibre::evaluate(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi,
+                                          double h) const {
   const FibreDirection o(wo), i(wi);
   const FibreRay ray = rayOf(shape_, o, h);
-  const FibreLobes shares = meanOf(sharesOf(material_, ray));
-  const double total = totalOf(shares);
-  if (!(total > 0)) return 0;
-  return fibreSum(shares,
-                  fibreDensities(shape_, ray, o.sine, o.cosine, i.sine, i.cosine, azimuthBetween(o, i))) /
-         total;
+  const std::array<FibreLobes, 3> shares = sharesOf(material_, ray);
+  const FibreLobes mean = meanOf(shares);
+  const double total = totalOf(mean);
+  if (!(total > 0)) return {wi, 0, {0, 0, 0}};
+  const FibreLobes densities =
+      fibreDensities(shape_, ray, o.sine, o.cosine, i.sine, i.cosine, azimuthBetween(o, i));
+  return {wi, fibreSum(mean, densities) / total, valueOf(shares, densities, i.cosine)};
 }
 
 ChiangFibre::Sample ChiangFibre::sample(const Eigen::Vector3d& wo, double h, double u0, double u1, double u2,

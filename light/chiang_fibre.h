@@ -34,6 +34,8 @@ class ChiangFibre {
   Eigen::Array3d f(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi, double h) const;
   /// Density per solid angle by which sample() chooses wi.
   double pdf(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi, double h) const;
+  /// f and pdf of one pair of directions, in little more time than either.
+  Sample evaluate(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi, double h) const;
   /// Draws wi by four independent uniform numbers, 0 to 1: u0 chooses the lobe, u1 and u2 its inclination, u3
   /// its azimuth. f cos(theta_i) / pdf is bounded by the largest ratio of the channels' albedos.
   Sample sample(const Eigen::Vector3d& wo, double h, double u0, double u1, double u2, double u3) const;
