@@ -95,6 +95,14 @@ LANE_FN real trimmedLogistic(LANE_IN(real) angle, LANE_IN(real) s) {
   return e / (s * (lit(1) + e) * (lit(1) + e)) * ((lit(1) + ends) / (lit(1) - ends));
 }
 
+// Its quantile at u, 0 to 1.
+LANE_FN real trimmedLogisticQuantile(LANE_IN(real) u, LANE_IN(real) s) {
+  real low = lit(1) / (lit(1) + exp(lit(3.141592653589793) / s));
+  real range = lit(1) - lit(2) * low;
+  real angle = s * fibreLog((low + u * range) / (low + (lit(1) - u) * range));
+  return clamp(angle, lit(-3.141592653589793), lit(3.141592653589793));
+}
+
 // Reflectance of the surface of a dielectric for unpolarised light from outside (Fresnel). `cosine`: of the angle of
 // incidence, 0 to 1; `index`: 1 or more.
 LANE_FN real fresnelReflectance(LANE_IN(real) cosine, LANE_IN(real) index) {
@@ -182,22 +190,22 @@ LANE_FN real fibreSum(LANE_IN(FibreLobes) a, LANE_IN(FibreLobes) b) {
   return a.r * b.r + a.tt * b.tt + a.trt * b.trt + a.residual * b.residual;
 }
 
-// M of each lobe.
-LANE_FN FibreLobes fibreLongitudinal(LANE_IN(FibreShape) shape, LANE_IN(real) sin_o, LANE_IN(real) cos_o, LANE_IN(real) sin_i,
-                                     LANE_IN(real) cos_i) {
+// M of each lobe. `spread`: variance of the light's inclination, which adds to that of the lobes.
+LANE_FN FibreLobes fibreLongitudinal(LANE_IN(FibreShape) shape, LANE_IN(real) spread, LANE_IN(real) sin_o, LANE_IN(real) cos_o,
+                                     LANE_IN(real) sin_i, LANE_IN(real) cos_i) {
   real3 sines = shape.tilt_cos * sin_o + shape.tilt_sin * cos_o;
   real3 cosines = shape.tilt_cos * cos_o - shape.tilt_sin * sin_o;
   FibreLobes m;
-  m.r = longitudinalFunction(sin_i, cos_i, sines.x, abs(cosines.x), lobeVariance(shape, lit(0)));
-  m.tt = longitudinalFunction(sin_i, cos_i, sines.y, abs(cosines.y), lobeVariance(shape, lit(1)));
-  m.trt = longitudinalFunction(sin_i, cos_i, sines.z, abs(cosines.z), lobeVariance(shape, lit(2)));
-  m.residual = longitudinalFunction(sin_i, cos_i, sin_o, cos_o, lobeVariance(shape, lit(3)));
+  m.r = longitudinalFunction(sin_i, cos_i, sines.x, abs(cosines.x), lobeVariance(shape, lit(0)) + spread);
+  m.tt = longitudinalFunction(sin_i, cos_i, sines.y, abs(cosines.y), lobeVariance(shape, lit(1)) + spread);
+  m.trt = longitudinalFunction(sin_i, cos_i, sines.z, abs(cosines.z), lobeVariance(shape, lit(2)) + spread);
+  m.residual = longitudinalFunction(sin_i, cos_i, sin_o, cos_o, lobeVariance(shape, lit(3)) + spread);
   return m;
 }
 // M N of each lobe at one h, per solid angle of wi: densities whose integrals are 1.
 LANE_FN FibreLobes fibreDensities(LANE_IN(FibreShape) shape, LANE_IN(FibreRay) ray, LANE_IN(real) sin_o, LANE_IN(real) cos_o,
                                   LANE_IN(real) sin_i, LANE_IN(real) cos_i, LANE_IN(real) phi) {
-  FibreLobes d = fibreLongitudinal(shape, sin_o, cos_o, sin_i, cos_i);
+  FibreLobes d = fibreLongitudinal(shape, lit(0), sin_o, cos_o, sin_i, cos_i);
   d.r = d.r * trimmedLogistic(wrappedAngle(phi - fibreAzimuth(ray, lit(0))), shape.scale);
   d.tt = d.tt * trimmedLogistic(wrappedAngle(phi - fibreAzimuth(ray, lit(1))), shape.scale);
   d.trt = d.trt * trimmedLogistic(wrappedAngle(phi - fibreAzimuth(ray, lit(2))), shape.scale);

@@ -52,13 +52,6 @@ void sampleInclination(double sin_o, double cos_o, double variance, double u1, d
   cos_i = std::hypot(along * cos_o + aside * sin_o, radial * std::sin(angle));
 }
 
-/// Samples trimmedLogistic() by inverting its cumulative distribution.
-double sampleLogistic(double s, double u) {
-  const double low = 1 / (1 + std::exp(std::numbers::pi / s)), range = 1 - 2 * low;
-  const double below = low + u * range, above = low + (1 - u) * range;
-  return std::clamp(s * std::log(below / above), -std::numbers::pi, std::numbers::pi);
-}
-
 /// The lobe that u, 0 to 1, chooses by its share; -1 if all shares are 0.
 int chosenLobe(const FibreLobes& shares, double u) {
   const std::array<double, 4> list{shares.r, shares.tt, shares.trt, shares.residual};
@@ -125,10 +118,10 @@ ChiangFibre::Sample ChiangFibre::sample(const Eigen::Vector3d& wo, double h, dou
   sampleInclination(sin_o, cos_o, lobeVariance(shape_, p), u1, u2, sin_i, cos_i);
 
   // Draw phi = phi_o - phi_i, and rotate wo's azimuth by -phi.
-  const double phi =
-      p < 3
-          ? kernels::f64::wrappedAngle(kernels::f64::fibreAzimuth(ray, p) + sampleLogistic(shape_.scale, u3))
-          : std::numbers::pi * (2 * u3 - 1);
+  const double phi = p < 3
+                         ? kernels::f64::wrappedAngle(kernels::f64::fibreAzimuth(ray, p) +
+                                                      kernels::f64::trimmedLogisticQuantile(u3, shape_.scale))
+                         : std::numbers::pi * (2 * u3 - 1);
   const double c = std::cos(phi), s = std::sin(phi);
   const Eigen::Vector3d wi(sin_i, cos_i * (o.y * c + o.z * s), cos_i * (o.z * c - o.y * s));
 
