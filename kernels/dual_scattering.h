@@ -27,14 +27,20 @@ LANE_FN real scatteredBack(LANE_IN(DualLocal) local, LANE_IN(real) spread, LANE_
   return lit(0.6366197723675814) * local.attenuation * m;
 }
 
-// `azimuthal`: N of each lobe; `azimuthal_forward`: N^G, the mean of N over the half turn from which scattered light comes
-// (equation 25).
-LANE_FN real dualScattered(LANE_IN(FibreShape) shape, LANE_IN(FibreLobes) azimuthal, LANE_IN(FibreLobes) azimuthal_forward,
-                           LANE_IN(DualLocal) local, LANE_IN(DualLight) light, LANE_IN(real) sin_o, LANE_IN(real) cos_o,
-                           LANE_IN(real) sin_i, LANE_IN(real) cos_i) {
-  FibreLobes narrow = fibreLongitudinal(shape, lit(0), sin_o, cos_o, sin_i, cos_i);
-  FibreLobes wide = fibreLongitudinal(shape, light.variance, sin_o, cos_o, sin_i, cos_i);
-  real direct = fibreSum(narrow, azimuthal) + scatteredBack(local, lit(0), sin_o, cos_o, sin_i, cos_i);
-  real scattered = fibreSum(wide, azimuthal_forward) + scatteredBack(local, light.variance, sin_o, cos_o, sin_i, cos_i);
-  return light.direct * direct + light.scattered * scattered;
+// Scattered by the fibre alone, by hair towards the light before, and by the hair around.
+struct DualParts {
+  real single, global, local;
+};
+// `azimuthal`: N of each lobe; `half_turn`: N^G, the mean of N over the half turn from which scattered light comes
+// (equation 25). Figure 5 has a factor pi in the last term, which equation 22 does not: it is left out.
+LANE_FN DualParts dualScattering(LANE_IN(FibreShape) shape, LANE_IN(FibreLobes) azimuthal, LANE_IN(FibreLobes) half_turn,
+                                 LANE_IN(DualLocal) local, LANE_IN(DualLight) light, LANE_IN(real) sin_o, LANE_IN(real) cos_o,
+                                 LANE_IN(real) sin_i, LANE_IN(real) cos_i) {
+  DualParts parts;
+  parts.single = light.direct * fibreSum(fibreLongitudinal(shape, lit(0), sin_o, cos_o, sin_i, cos_i), azimuthal);
+  parts.global =
+      light.scattered * fibreSum(fibreLongitudinal(shape, light.variance, sin_o, cos_o, sin_i, cos_i), half_turn);
+  parts.local = light.direct * scatteredBack(local, lit(0), sin_o, cos_o, sin_i, cos_i) +
+                light.scattered * scatteredBack(local, light.variance, sin_o, cos_o, sin_i, cos_i);
+  return parts;
 }

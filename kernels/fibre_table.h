@@ -115,7 +115,7 @@ LANE_FN real3 chiangFarField(FIBRE_TABLE_PARAMETER LANE_IN(FibreTableSize) size,
                              LANE_IN(real) cos_o, LANE_IN(real) sin_i, LANE_IN(real) cos_i, LANE_IN(real) phi,
                              LANE_IN(real3) sigma) {
   FibreTexel texel = fibreTexel(FIBRE_TABLE size, cos_o, phi);
-  FibreLobes m = fibreLongitudinal(shape, sin_o, cos_o, sin_i, cos_i);
+  FibreLobes m = fibreLongitudinal(shape, lit(0), sin_o, cos_o, sin_i, cos_i);
   return makeReal3(fibreSum(m, fibreAzimuthal(texel, sigma.x)), fibreSum(m, fibreAzimuthal(texel, sigma.y)),
                    fibreSum(m, fibreAzimuthal(texel, sigma.z)));
 }

@@ -10,12 +10,14 @@ namespace strandcast::kernels::f32 {
 #include "kernels/lanes_macros.inl"
 #include "kernels/fibre.h"
 #include "kernels/fibre_table.h"
+#include "kernels/dual_scattering.h"
 #include "kernels/end_lanes.inl"
 }  // namespace strandcast::kernels::f32
 namespace strandcast::kernels::f64 {
 #include "kernels/lanes_macros.inl"
 #include "kernels/fibre.h"
 #include "kernels/fibre_table.h"
+#include "kernels/dual_scattering.h"
 #include "kernels/end_lanes.inl"
 }  // namespace strandcast::kernels::f64
 #undef FIBRE_TABLE_PARAMETER

@@ -1,7 +1,7 @@
 #include "light/coated_diffuse.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>

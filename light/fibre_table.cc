@@ -116,7 +116,7 @@ void writePaths(const double* of_lobe, double longest, float* numbers) {
 }  // namespace
 
 FibreTable::FibreTable(double azimuthal_roughness, double index, int rows, int columns,
-                       std::optional<double> bending_index)
+                       std::optional<double> bending_index, Incidence incidence)
     : rows_(rows), columns_(columns), numbers_(static_cast<size_t>(rows * columns * kTexel)) {
   const double bending = bending_index.value_or(index);
   const double s = kernels::f64::logisticScale(std::max(azimuthal_roughness, kLeastRoughness));
@@ -129,7 +129,10 @@ FibreTable::FibreTable(double azimuthal_roughness, double index, int rows, int c
   const Eigen::Index points = weights.size();
 
   MatrixXd cosines(harmonics, columns_);  // times the coefficients of the Fourier series
-  const ArrayXd coefficients = logisticHarmonics(s, harmonics);
+  ArrayXd coefficients = logisticHarmonics(s, harmonics);
+  if (incidence == Incidence::kHalfTurn)  // the mean of cos(k x) over half a turn about x
+    for (int k = 1; k < harmonics; ++k)
+      coefficients[k] *= std::sin(0.5 * std::numbers::pi * k) / (0.5 * std::numbers::pi * k);
   for (int k = 0; k < harmonics; ++k)
     for (int j = 0; j < columns_; ++j)
       cosines(k, j) = std::cos(std::numbers::pi * k * j / (columns_ - 1)) * coefficients[k] *

@@ -23,10 +23,18 @@ class FibreTable {
   /// one.
   static constexpr double kLeastRoughness = 0.1;
 
+  /// The directions for whose light N is the mean.
+  enum class Incidence {
+    kDirection,
+    kHalfTurn  ///< all azimuths within a quarter turn of phi: N^G of Dual Scattering, equation 25
+  };
+
   /// `azimuthal_roughness`: 0.001 to 1; `index`: of refraction, 1 to 2.5; `rows`, `columns`: 2 or more.
   /// `bending_index`: index by which paths bend, where it is not the one of Fresnel's law.
   FibreTable(double azimuthal_roughness, double index, int rows = kRows, int columns = kColumns,
-             std::optional<double> bending_index = std::nullopt);
+             std::optional<double> bending_index = std::nullopt, Incidence incidence = Incidence::kDirection);
+  /// Of N^G, which is smooth in phi.
+  static constexpr int kHalfTurnRows = 33, kHalfTurnColumns = 33;
 
   int rows() const { return rows_; }
   int columns() const { return columns_; }
