@@ -40,7 +40,7 @@ double FibreLayers::forwardShare(double azimuth) const {
 std::vector<LayerScattering> FibreLayers::at(double sine, std::span<const double> absorptions) const {
   const double cosine = std::sqrt(std::max(0.0, (1 - sine) * (1 + sine)));
   struct Point {
-    double weight, fresnel, length;
+    double weight, fresnel, passage;
     std::array<double, 4> forward;  ///< share of R, TT, TRT and longer paths
   };
   std::array<Point, kWidthPoints> points;
@@ -48,7 +48,7 @@ std::vector<LayerScattering> FibreLayers::at(double sine, std::span<const double
     // h and -h scatter alike. Steps of equal angle are fine at the edge, where reflectance rises.
     const double step = kPi / (2 * kWidthPoints), gamma = (static_cast<double>(k) + 0.5) * step;
     const kernels::f64::FibreRay ray = kernels::f64::fibreRay(sine, cosine, std::sin(gamma), shape_.index);
-    points[k] = {std::cos(gamma) * step, ray.fresnel, ray.length, {0, 0, 0, 0.5}};
+    points[k] = {std::cos(gamma) * step, ray.fresnel, ray.passage, {0, 0, 0, 0.5}};
     for (size_t p = 0; p < 3; ++p)
       points[k].forward[p] = forwardShare(kernels::f64::fibreAzimuth(ray, static_cast<double>(p)));
   }
@@ -57,7 +57,7 @@ std::vector<LayerScattering> FibreLayers::at(double sine, std::span<const double
     std::array<double, 4> forward{}, whole{};
     for (const Point& point : points) {
       const kernels::f64::FibreLobes share =
-          kernels::f64::fibreShares(point.fresnel, std::exp(-absorption * point.length));
+          kernels::f64::fibreShares(point.fresnel, std::exp(-absorption * point.passage));
       const std::array<double, 4> shares{share.r, share.tt, share.trt, share.residual};
       for (size_t p = 0; p < 4; ++p) {
         whole[p] += point.weight * shares[p];

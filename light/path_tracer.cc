@@ -33,6 +33,8 @@ double powerHeuristic(double own, double other) {
   return own > 0 ? 1 / (1 + (other / own) * (other / own)) : 0;
 }
 
+}  // namespace
+
 /// A light as paths meet it. Radiant quantities are in the unit of kernels/picture.h.
 struct TracedLight {
   Light light;
@@ -46,6 +48,8 @@ struct TracedLight {
   /// Whether paths may meet it by chance.
   bool isMet() const { return light.kind == LightKind::kRectangle && casts_shadow; }
 };
+
+namespace {
 
 TracedLight tracedLight(const Light& light, bool shadows, const Eigen::Vector3d& origin) {
   TracedLight t{light, light.position.cast<double>() - origin, {}, {}, {}, coneCosines(light), {}, {}};

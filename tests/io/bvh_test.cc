@@ -24,7 +24,7 @@ std::string replaced(const std::string& from, const std::string& to) {
   EXPECT_NE(at, std::string::npos) << from;
   return text.replace(at, from.size(), to);
 }
-std::string errorOf(const std::string& text) {
+std::string bvhErrorOf(const std::string& text) {
   try {
     parse(text);
   } catch (const Error& error) {
@@ -83,13 +83,13 @@ TEST(Bvh, WhatProgramsWriteBesidesIsTaken) {
   EXPECT_EQ(braced.joints[1].name, "My head");
   const BvhClip numbers = parse(replaced("0 1 1 0", "+0.5 1e-400 -1e-400 0"));
   EXPECT_EQ(numbers.pose(0, 1).position, Vec3(0.5f, 0, 0));
-  EXPECT_NE(errorOf(replaced("MyHead", "")).find("a joint has no name"), std::string::npos);
+  EXPECT_NE(bvhErrorOf(replaced("MyHead", "")).find("a joint has no name"), std::string::npos);
 }
 
 TEST(Bvh, ErrorsNameTheFileTheLineAndWhatIsWrong) {
-  EXPECT_NE(errorOf("").find("the file ends early: clip.bvh, line 1"), std::string::npos);
-  EXPECT_NE(errorOf("hello").find("expected HIERARCHY"), std::string::npos);
-  EXPECT_NE(errorOf(replaced("OFFSET 0 1 0", "OFFSET 0 nan 0")).find("out of range: 'nan': clip.bvh, line 4"),
+  EXPECT_NE(bvhErrorOf("").find("the file ends early: clip.bvh, line 1"), std::string::npos);
+  EXPECT_NE(bvhErrorOf("hello").find("expected HIERARCHY"), std::string::npos);
+  EXPECT_NE(bvhErrorOf(replaced("OFFSET 0 1 0", "OFFSET 0 nan 0")).find("out of range: 'nan': clip.bvh, line 4"),
             std::string::npos);
   const std::string digits(100000, '9'), exponent = "1e" + digits;
   for (const auto& [number, shown] : {std::pair<std::string, std::string>{"inf", "inf"},
@@ -99,20 +99,20 @@ TEST(Bvh, ErrorsNameTheFileTheLineAndWhatIsWrong) {
                                       {digits, digits.substr(0, 32) + "..."},
                                       {exponent, exponent.substr(0, 32) + "..."}})
     EXPECT_EQ(
-        errorOf(replaced("OFFSET 0 1 0", "OFFSET 0 " + number + " 0")),
+        bvhErrorOf(replaced("OFFSET 0 1 0", "OFFSET 0 " + number + " 0")),
         "number is out of range: '" + shown + "': clip.bvh, line 4; check that the BVH file is complete");
   EXPECT_EQ(parse(replaced("OFFSET 0 1 0", "OFFSET 0 1e-" + digits + " 0")).joints[0].offset, Vec3(0, 0, 0));
-  EXPECT_EQ(errorOf(replaced("OFFSET 0 1 0", "OFFSET 0 " + std::string(100000, 'x') + " 0")),
+  EXPECT_EQ(bvhErrorOf(replaced("OFFSET 0 1 0", "OFFSET 0 " + std::string(100000, 'x') + " 0")),
             "expected a number, found '" + std::string(32, 'x') +
                 "...': clip.bvh, line 4; check that the BVH file is complete");
-  EXPECT_NE(errorOf(replaced("OFFSET 0 1 0", "OFFSET 0 x1 0")).find("expected a number, found 'x1'"),
+  EXPECT_NE(bvhErrorOf(replaced("OFFSET 0 1 0", "OFFSET 0 x1 0")).find("expected a number, found 'x1'"),
             std::string::npos);
-  EXPECT_NE(errorOf(replaced("CHANNELS 6", "CHANNELS 7000")).find("number of channels must be"),
+  EXPECT_NE(bvhErrorOf(replaced("CHANNELS 6", "CHANNELS 7000")).find("number of channels must be"),
             std::string::npos);
-  EXPECT_NE(errorOf(replaced("Xposition", "Wposition")).find("unknown channel 'Wposition'"),
+  EXPECT_NE(bvhErrorOf(replaced("Xposition", "Wposition")).find("unknown channel 'Wposition'"),
             std::string::npos);
-  EXPECT_NE(errorOf(replaced("Yposition", "Xposition")).find("given twice"), std::string::npos);
-  EXPECT_NE(errorOf(replaced("JOINT", "JOIN")).find("found 'JOIN'"), std::string::npos);
+  EXPECT_NE(bvhErrorOf(replaced("Yposition", "Xposition")).find("given twice"), std::string::npos);
+  EXPECT_NE(bvhErrorOf(replaced("JOINT", "JOIN")).find("found 'JOIN'"), std::string::npos);
 }
 
 bool warns(const BvhClip& clip, const std::string& of) {
@@ -156,10 +156,10 @@ TEST(Bvh, ALineThatIsNotWholeIsLeftOutAndCounted) {
   const BvhClip middle = parse(replaced("0 1 1 0 0 0 30 0 0\n", "0 1 1 0 0\n"));
   EXPECT_EQ(middle.frames, 4u);
   EXPECT_FLOAT_EQ(middle.pose(0, 1).position.x(), 0.5f) << "the others are not shifted";
-  EXPECT_NE(errorOf(replaced("CHANNELS 3", "CHANNELS 2")).find("found 'Zrotation'"), std::string::npos)
+  EXPECT_NE(bvhErrorOf(replaced("CHANNELS 3", "CHANNELS 2")).find("found 'Zrotation'"), std::string::npos)
       << "a name too many";
   std::string wrong = replaced("CHANNELS 3 Yrotation Xrotation Zrotation", "CHANNELS 2 Yrotation Xrotation");
-  EXPECT_NE(errorOf(wrong).find("the lines of the motion have 9 to 9 values, the joints have 8 channels"),
+  EXPECT_NE(bvhErrorOf(wrong).find("the lines of the motion have 9 to 9 values, the joints have 8 channels"),
             std::string::npos);
 }
 
@@ -181,7 +181,7 @@ TEST(Bvh, FramesBrokenOverLinesAreRead) {
         << odd;
   }
   EXPECT_NE(
-      errorOf(broken.substr(0, motion) + "nan 1 0\n0 0 0\n0 0 0\n")
+      bvhErrorOf(broken.substr(0, motion) + "nan 1 0\n0 0 0\n0 0 0\n")
           .find(
               "no frame of the motion has 9 numbers, one a channel: the first has 'nan': clip.bvh, line 19"),
       std::string::npos);
@@ -332,14 +332,14 @@ TEST(BvhUnits, BonesThatMatchABodyTellUnitAndAxisOfItsClip) {
 TEST(Bvh, DeepNestingIsRefused) {
   std::string text = "HIERARCHY\nROOT a\n";
   for (int i = 0; i < 100000; ++i) text += "{ OFFSET 0 0 0\nJOINT b\n";
-  EXPECT_NE(errorOf(text).find("nested too deep"), std::string::npos);
+  EXPECT_NE(bvhErrorOf(text).find("nested too deep"), std::string::npos);
 }
 
 TEST(Bvh, TruncationsAreRefusedOrPlayedUpToTheLastWholeLine) {
   const size_t first = kSampleClip.find("0 1 0 0 0 0 0 0 0\n") + 17;
   for (size_t length = 0; length < kSampleClip.size(); ++length) {
     if (length < first) {
-      EXPECT_NE(errorOf(kSampleClip.substr(0, length)), "no error") << length;
+      EXPECT_NE(bvhErrorOf(kSampleClip.substr(0, length)), "no error") << length;
       continue;
     }
     const BvhClip clip = parse(kSampleClip.substr(0, length));
@@ -389,7 +389,7 @@ TEST(Bvh, DamagedClipsAreReadOrRefusedNeverWorse) {
 
 TEST(Bvh, FilesAreReadAsOthersAre) {
   const auto complaint = [](const char* file) {
-    return strandcast::errorOf([&] { readBvh(std::filesystem::path(file)); });
+    return errorOf([&] { readBvh(std::filesystem::path(file)); });
   };
   EXPECT_NE(complaint("/nowhere/walk.bvh").find("the file cannot be found: /nowhere/walk.bvh"),
             std::string::npos);
