@@ -38,8 +38,7 @@ LANE_FN DualParts dualScattering(LANE_IN(FibreShape) shape, LANE_IN(FibreLobes) 
                                  LANE_IN(real) sin_i, LANE_IN(real) cos_i) {
   DualParts parts;
   parts.single = light.direct * fibreSum(fibreLongitudinal(shape, lit(0), sin_o, cos_o, sin_i, cos_i), azimuthal);
-  parts.global =
-      light.scattered * fibreSum(fibreLongitudinal(shape, light.variance, sin_o, cos_o, sin_i, cos_i), half_turn);
+  parts.global = light.scattered * fibreSum(fibreLongitudinal(shape, light.variance, sin_o, cos_o, sin_i, cos_i), half_turn);
   parts.local = light.direct * scatteredBack(local, lit(0), sin_o, cos_o, sin_i, cos_i) +
                 light.scattered * scatteredBack(local, light.variance, sin_o, cos_o, sin_i, cos_i);
   return parts;

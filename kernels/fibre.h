@@ -38,9 +38,7 @@ LANE_FN real fibreAtan(LANE_IN(real) y, LANE_IN(real) x) {
 }
 LANE_FN real fibreAsin(LANE_IN(real) s) { return fibreAtan(s, sqrt(max((lit(1) - s) * (lit(1) + s), lit(0)))); }
 // The angle within -pi to pi that differs by whole turns.
-LANE_FN real wrappedAngle(LANE_IN(real) a) {
-  return a - lit(6.283185307179586) * floor(a * lit(0.15915494309189535) + lit(0.5));
-}
+LANE_FN real wrappedAngle(LANE_IN(real) a) { return a - lit(6.283185307179586) * floor(a * lit(0.15915494309189535) + lit(0.5)); }
 
 // Modified Bessel function I0 of x, 0 or more: a polynomial up to 5, and beyond, one for sqrt(x) exp(-x) I0(x) in 1/x.
 // Both are minimax fits, with relative errors below 2e-10 and 3e-8.

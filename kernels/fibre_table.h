@@ -79,9 +79,9 @@ LANE_FN FibreTexel fibreTexel(FIBRE_TABLE_PARAMETER LANE_IN(FibreTableSize) size
   real first = (size.first + row0 * size.columns + column0) * lit(16);
   real next = first + size.columns * lit(16);
   real part = column - column0;
-  return fibreTexelBetween(
-      fibreTexelBetween(fibreTexelAt(FIBRE_TABLE first), fibreTexelAt(FIBRE_TABLE first + lit(16)), part),
-      fibreTexelBetween(fibreTexelAt(FIBRE_TABLE next), fibreTexelAt(FIBRE_TABLE next + lit(16)), part), row - row0);
+  return fibreTexelBetween(fibreTexelBetween(fibreTexelAt(FIBRE_TABLE first), fibreTexelAt(FIBRE_TABLE first + lit(16)), part),
+                           fibreTexelBetween(fibreTexelAt(FIBRE_TABLE next), fibreTexelAt(FIBRE_TABLE next + lit(16)), part),
+                           row - row0);
 }
 
 // Place among the knots, 0 to 3, of the absorption per radius: 0, 2/3, 2 and 6. Constant beyond the last, where 1e-4 of
@@ -89,8 +89,8 @@ LANE_FN FibreTexel fibreTexel(FIBRE_TABLE_PARAMETER LANE_IN(FibreTableSize) size
 LANE_FN real fibreKnot(LANE_IN(real) sigma) { return lit(4) * min(sigma, lit(6)) / (lit(2) + min(sigma, lit(6))); }
 LANE_FN real fibrePaths(LANE_IN(FibrePaths) p, LANE_IN(real) sigma, LANE_IN(real) knot) {
   real mean = p.length0 + (p.length1 - p.length0) * clamp(knot, lit(0), lit(1)) +
-                (p.length2 - p.length1) * clamp(knot - lit(1), lit(0), lit(1)) +
-                (p.length3 - p.length2) * clamp(knot - lit(2), lit(0), lit(1));
+              (p.length2 - p.length1) * clamp(knot - lit(1), lit(0), lit(1)) +
+              (p.length3 - p.length2) * clamp(knot - lit(2), lit(0), lit(1));
   return p.n * exp(lit(0) - sigma * mean);
 }
 LANE_FN real fibreResidual(LANE_IN(FibreResidual) p, LANE_IN(real) sigma) {
@@ -167,8 +167,8 @@ LANE_FN real3 marschnerEllipticFarField(FIBRE_TABLE_PARAMETER LANE_IN(FibreTable
   next.first = near.first + size.rows * size.columns;
   real cos_d = sqrt(cos2_d);
   FibreTexel texel = fibreTexel(FIBRE_TABLE size, cos_d, phi);
-  texel.trt = fibrePathsBetween(fibreTexel(FIBRE_TABLE near, cos_d, phi).trt, fibreTexel(FIBRE_TABLE next, cos_d, phi).trt,
-                                place - low);
+  texel.trt =
+      fibrePathsBetween(fibreTexel(FIBRE_TABLE near, cos_d, phi).trt, fibreTexel(FIBRE_TABLE next, cos_d, phi).trt, place - low);
   FibreLobes m = marschnerLongitudinals(lobes, lit(0.5) * (fibreAtan(sin_o, cos_o) + fibreAtan(sin_i, cos_i)));
   return makeReal3(fibreSum(m, fibreAzimuthal(texel, sigma.x)), fibreSum(m, fibreAzimuthal(texel, sigma.y)),
                    fibreSum(m, fibreAzimuthal(texel, sigma.z))) *

@@ -3,7 +3,7 @@
 layout(local_size_x = 64) in;
 
 layout(std430, binding = 0) readonly buffer Table { float fibre_table[]; };
-layout(std430, binding = 1) readonly buffer Inputs { float inputs[]; };    // [9][count]
+layout(std430, binding = 1) readonly buffer Inputs { float inputs[]; };     // [9][count]
 layout(std430, binding = 2) writeonly buffer Outputs { float outputs[]; };  // [3][count]
 #define FIBRE_TABLE_PARAMETER
 #define FIBRE_TABLE

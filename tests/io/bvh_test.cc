@@ -89,8 +89,9 @@ TEST(Bvh, WhatProgramsWriteBesidesIsTaken) {
 TEST(Bvh, ErrorsNameTheFileTheLineAndWhatIsWrong) {
   EXPECT_NE(bvhErrorOf("").find("the file ends early: clip.bvh, line 1"), std::string::npos);
   EXPECT_NE(bvhErrorOf("hello").find("expected HIERARCHY"), std::string::npos);
-  EXPECT_NE(bvhErrorOf(replaced("OFFSET 0 1 0", "OFFSET 0 nan 0")).find("out of range: 'nan': clip.bvh, line 4"),
-            std::string::npos);
+  EXPECT_NE(
+      bvhErrorOf(replaced("OFFSET 0 1 0", "OFFSET 0 nan 0")).find("out of range: 'nan': clip.bvh, line 4"),
+      std::string::npos);
   const std::string digits(100000, '9'), exponent = "1e" + digits;
   for (const auto& [number, shown] : {std::pair<std::string, std::string>{"inf", "inf"},
                                       {"-Infinity", "-Infinity"},
