@@ -69,10 +69,13 @@ int chosenLobe(const FibreLobes& shares, double u) {
 
 }  // namespace
 
-ChiangFibre::ChiangFibre(const FibreMaterial& material) : material_(material) {
-  checkFibreMaterial(material, "material of a fibre");
-  shape_ = kernels::f64::fibreShape(material.longitudinal_roughness, material.azimuthal_roughness,
-                                    material.tilt, material.index);
+ChiangFibre::ChiangFibre(const FibreMaterial& material)
+    : material_(material), shape_(fibreShapeOf(material)) {}
+
+ChiangFibre ChiangFibre::withAbsorption(const Eigen::Array3d& sigma_a) const {
+  ChiangFibre fibre = *this;
+  fibre.material_.sigma_a = sigma_a;
+  return fibre;
 }
 
 Eigen::Array3d ChiangFibre::f(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi, double h) const {

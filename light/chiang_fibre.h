@@ -30,6 +30,9 @@ class ChiangFibre {
   /// Throws Error as checkFibreMaterial().
   explicit ChiangFibre(const FibreMaterial& material);
 
+  /// The same fibre of another absorption per radius, 0 or more and finite, which is not checked.
+  ChiangFibre withAbsorption(const Eigen::Array3d& sigma_a) const;
+
   /// 1/sr, per channel.
   Eigen::Array3d f(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi, double h) const;
   /// Density per solid angle by which sample() chooses wi.

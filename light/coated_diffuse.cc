@@ -8,17 +8,14 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "kernels/scalar_fibre.h"
 
 namespace strandcast {
 namespace {
 
-/// Fresnel reflectance of a dielectric from outside. `cosine`: of the incident angle.
+/// fresnelReflectance(), also of cosines that rounding has left outside of 0 to 1.
 double coatFresnel(double cosine, double index) {
-  const double c = std::clamp(cosine, 0.0, 1.0);
-  const double inner = std::sqrt(1 - (1 - c * c) / (index * index));
-  const double parallel = (index * c - inner) / (index * c + inner);
-  const double perpendicular = (c - index * inner) / (c + index * inner);
-  return (parallel * parallel + perpendicular * perpendicular) / 2;
+  return kernels::f64::fresnelReflectance(std::clamp(cosine, 0.0, 1.0), index);
 }
 
 /// GGX distribution of microfacet normals (Walter et al. 2007, equation 33), and its masking of one direction

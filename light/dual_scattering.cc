@@ -30,8 +30,7 @@ ForwardScattering ForwardPath::light() const {
 }
 
 DualScattering::DualScattering(const FibreMaterial& material, BackscatteringSeries series)
-    : shape_(kernels::f64::fibreShape(material.longitudinal_roughness, material.azimuthal_roughness,
-                                      material.tilt, material.index)),
+    : shape_(fibreShapeOf(material)),
       direct_(material.azimuthal_roughness, material.index),
       half_turn_(material.azimuthal_roughness, material.index, FibreTable::kHalfTurnRows,
                  FibreTable::kHalfTurnColumns, std::nullopt, FibreTable::Incidence::kHalfTurn),
@@ -47,11 +46,13 @@ DualScattering::Shading DualScattering::shade(const Vector3d& tangent, const Vec
   const Vector3d eye = to_eye - sin_o * tangent, lamp = to_light - sin_i * tangent;
   const double phi = kernels::f64::fibreAtan(tangent.dot(lamp.cross(eye)), lamp.dot(eye));
   const double cosine = std::sqrt(kernels::f64::cosineOfDifference2(sin_o, cos_o, sin_i, cos_i));
+  const kernels::f64::FibreTexel direct = direct_.texel(cos_o, phi), half_turn = half_turn_.texel(cos_o, phi);
   Shading out;
   for (Eigen::Index c = 0; c < 3; ++c) {
     const DualScatteringTable::Values layer = layers_.at(cosine, absorption[c]);
     const kernels::f64::DualParts parts = kernels::f64::dualScattering(
-        shape_, direct_.at(cos_o, phi, absorption[c]), half_turn_.at(cos_o, phi, absorption[c]),
+        shape_, kernels::f64::fibreAzimuthal(direct, absorption[c]),
+        kernels::f64::fibreAzimuthal(half_turn, absorption[c]),
         {layer.back.attenuation * density.backward, layer.back.shift, layer.back.variance},
         {light.direct, (light.transmittance[c] - light.direct) * density.forward, light.variance[c]}, sin_o,
         cos_o, sin_i, cos_i);

@@ -26,8 +26,8 @@ DualScatteringTable::DualScatteringTable(const FibreMaterial& material, Backscat
     for (const LayerScattering& layer : layers.at(std::sqrt(1 - cosine * cosine), absorptions)) {
       const Backscattering back =
           series == BackscatteringSeries::kPaper ? paperBackscattering(layer) : fullBackscattering(layer);
-      for (const double number : {layer.forward, layer.forward_variance, back.attenuation, back.shift,
-                                  back.variance, 0.0, 0.0, 0.0})
+      for (const double number :
+           {layer.forward, layer.forward_variance, back.attenuation, back.shift, back.variance})
         numbers_.push_back(static_cast<float>(number));
     }
   }

@@ -1,5 +1,4 @@
 #pragma once
-#include <span>
 #include <vector>
 
 #include "light/fibre_layers.h"
@@ -27,15 +26,16 @@ class DualScatteringTable {
   /// `cosine`: of the inclination, 0 to 1; `absorption`: per radius, 0 or more. Bilinear.
   Values at(double cosine, double absorption) const;
 
-  static constexpr int kRows = 33, kColumns = 65, kNumbers = 8;
-  /// kRows at equal steps of the inclination's cosine; kColumns at equal steps of columnOf(); kNumbers:
-  /// a_f, beta_f^2, A_b, Delta_b, sigma_b^2 and three unused.
-  std::span<const float> numbers() const { return numbers_; }
-  /// 0 to 1: r / (1 + r) with r the square root of the absorption, because A_b falls with that root where
-  /// little is absorbed.
+  static constexpr int kRows = 33, kColumns = 65;
+  /// Place of an absorption among the columns, 0 to 1: r / (1 + r) with r the square root of the absorption,
+  /// because A_b falls with that root where little is absorbed.
   static double columnOf(double absorption);
 
  private:
+  static constexpr int kNumbers = 5;
+
+  /// kRows at equal steps of the inclination's cosine; kColumns at equal steps of columnOf(); kNumbers: a_f,
+  /// beta_f^2, A_b, Delta_b, sigma_b^2.
   std::vector<float> numbers_;
 };
 

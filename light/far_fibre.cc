@@ -34,11 +34,7 @@ FarChiangFibre::FarChiangFibre(const FibreMaterial& material)
                       std::make_shared<const FibreTable>(material.azimuthal_roughness, material.index))) {}
 
 FarChiangFibre::FarChiangFibre(const FibreMaterial& material, std::shared_ptr<const FibreTable> table)
-    : material_(material), table_(std::move(table)) {
-  checkFibreMaterial(material, "material of a fibre");
-  shape_ = kernels::f64::fibreShape(material.longitudinal_roughness, material.azimuthal_roughness,
-                                    material.tilt, material.index);
-}
+    : material_(material), shape_(fibreShapeOf(material)), table_(std::move(table)) {}
 
 Eigen::Array3d FarChiangFibre::f(const Eigen::Vector3d& wo, const Eigen::Vector3d& wi) const {
   const FibreDirection o(wo), i(wi);

@@ -16,10 +16,8 @@ constexpr double kPi = std::numbers::pi;
 
 }  // namespace
 
-FibreLayers::FibreLayers(const FibreMaterial& material) : tilt_(material.tilt) {
-  checkFibreMaterial(material, "material of a fibre");
-  shape_ = kernels::f64::fibreShape(material.longitudinal_roughness, material.azimuthal_roughness,
-                                    material.tilt, material.index);
+FibreLayers::FibreLayers(const FibreMaterial& material)
+    : shape_(fibreShapeOf(material)), tilt_(material.tilt) {
   // Light from azimuths -pi/2 to pi/2 that turns by phi goes forward for |phi| / pi of these azimuths.
   for (int i = 0; i <= kAzimuths; ++i) {
     double sum = 0;

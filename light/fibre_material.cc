@@ -52,6 +52,12 @@ void checkFibreMaterial(const FibreMaterial& material, const std::string& where)
   checkFibreNumber(material.axis_ratio, 0.5, 1, "minor over major axis of the section", where);
 }
 
+kernels::f64::FibreShape fibreShapeOf(const FibreMaterial& material) {
+  checkFibreMaterial(material, "material of a fibre");
+  return kernels::f64::fibreShape(material.longitudinal_roughness, material.azimuthal_roughness,
+                                  material.tilt, material.index);
+}
+
 Eigen::Array3d absorptionOfMelanin(double eumelanin, double pheomelanin) {
   checkFibreNumber(eumelanin, 0, 20, "concentration", "eumelanin");
   checkFibreNumber(pheomelanin, 0, 20, "concentration", "pheomelanin");

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "kernels/scalar_fibre.h"
+
 namespace strandcast {
 
 /// How hair scatters light: a dielectric fibre with a coloured interior, whose cuticle scales are rough and
@@ -21,6 +23,9 @@ struct FibreMaterial {
 
 /// Throws Error, naming `where`, if a value is not finite or out of range.
 void checkFibreMaterial(const FibreMaterial& material, const std::string& where);
+
+/// What the lobes of ChiangFibre have in common. Throws Error as checkFibreMaterial().
+kernels::f64::FibreShape fibreShapeOf(const FibreMaterial& material);
 
 /// Absorption per radius by melanin: concentrations 0 to 20 (Chiang et al. 2016; d'Eon et al. 2011). Brown
 /// hair has 1.3 of eumelanin, red hair mostly pheomelanin.

@@ -192,9 +192,12 @@ FibreTable::FibreTable(double azimuthal_roughness, double index, int rows, int c
   }
 }
 
+kernels::f64::FibreTexel FibreTable::texel(double cos_theta, double phi) const {
+  return kernels::f64::fibreTexel(numbers_.data(), size(), cos_theta, phi);
+}
+
 kernels::f64::FibreLobes FibreTable::at(double cos_theta, double phi, double sigma) const {
-  return kernels::f64::fibreAzimuthal(kernels::f64::fibreTexel(numbers_.data(), size(), cos_theta, phi),
-                                      sigma);
+  return kernels::f64::fibreAzimuthal(texel(cos_theta, phi), sigma);
 }
 
 }  // namespace strandcast

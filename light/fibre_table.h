@@ -43,6 +43,8 @@ class FibreTable {
   }
   std::span<const float> numbers() const { return numbers_; }  ///< [rows][columns][kTexel]
 
+  /// What fibreAzimuthal() makes N of, for any absorption; `phi`: -pi to pi.
+  kernels::f64::FibreTexel texel(double cos_theta, double phi) const;
   /// N of each lobe; `sigma`: absorption per radius, 0 or more; `phi`: -pi to pi.
   kernels::f64::FibreLobes at(double cos_theta, double phi, double sigma) const;
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/smooth_step.h"
+
 namespace strandcast {
 
 ConeCosines coneCosines(const Light& light) {
@@ -13,8 +15,7 @@ ConeCosines coneCosines(const Light& light) {
 }
 
 float coneFalloff(const ConeCosines& cone, float cosine) {
-  const float t = std::clamp((cosine - cone.outer) / (cone.inner - cone.outer), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
+  return smoothStep((cosine - cone.outer) / (cone.inner - cone.outer));
 }
 
 RectangleAxes rectangleAxes(const Vec3& axis) {

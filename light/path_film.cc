@@ -8,6 +8,8 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/srgb.h"
+#include "io/file_bytes.h"
 #include "kernels/scalar_picture.h"
 
 namespace strandcast {
@@ -20,13 +22,6 @@ struct FilmHead {
   uint32_t width, height, goal, pixel_bytes;
 };
 constexpr std::array<char, 8> kFilmMagic{'s', 'c', 'f', 'i', 'l', 'm', '0', '1'};
-
-/// Linear to sRGB (IEC 61966-2-1), 0 to 255.
-uint8_t srgbByte(float linear) {
-  const float v = std::clamp(linear, 0.0f, 1.0f);
-  const float srgb = v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
-  return static_cast<uint8_t>(std::lround(255 * srgb));
-}
 
 }  // namespace
 
@@ -58,7 +53,7 @@ Eigen::Array3d PathFilm::radiance(size_t pixel) const {
 }
 
 double PathFilm::relativeError() const {
-  double squares = 0, sum = 0;
+  double squares = 0, sum = 0, entries = 0;
   for (size_t i = 0; i < pixels_.size(); ++i) {
     const Pixel& p = pixels_[i];
     if (p.samples < 2) return std::numeric_limits<double>::infinity();
@@ -71,11 +66,8 @@ double PathFilm::relativeError() const {
       squares += difference * difference;
     }
     sum += radiance(i).sum();
+    entries += 3;
   }
-  size_t met = 0;
-  for (const Pixel& p : pixels_) met += p.hits > 0;
-  if (met == 0) return 0;
-  const double entries = 3 * static_cast<double>(met);
   return sum > 0 ? std::sqrt(squares / entries) / (sum / entries) : 0;
 }
 
@@ -109,31 +101,23 @@ Image PathFilm::developed(const Eigen::Array3f& gains) const {
     const Eigen::Array3f r = radiance(i).cast<float>();
     const kernels::f32::real3 shown =
         kernels::f32::toneMappedBy({gains[0], gains[1], gains[2]}, {r[0], r[1], r[2]});
-    for (const float value : {shown.x, shown.y, shown.z}) image.rgb.push_back(srgbByte(value));
+    for (const float value : {shown.x, shown.y, shown.z})
+      image.rgb.push_back(static_cast<uint8_t>(std::lround(255 * srgbOf(std::clamp(value, 0.0f, 1.0f)))));
   }
   return image;
 }
 
 void PathFilm::save(const std::filesystem::path& file, uint64_t content, uint32_t goal) const {
-  std::filesystem::path part = file;
-  part += ".part";
-  std::ofstream out(part, std::ios::binary);
   const FilmHead head{kFilmMagic,
                       content,
                       static_cast<uint32_t>(width_),
                       static_cast<uint32_t>(height_),
                       goal,
                       static_cast<uint32_t>(sizeof(Pixel))};
-  out.write(reinterpret_cast<const char*>(&head), sizeof head);
-  out.write(reinterpret_cast<const char*>(pixels_.data()),
-            static_cast<std::streamsize>(pixels_.size() * sizeof(Pixel)));
-  out.close();
-  std::error_code failed;
-  if (out) std::filesystem::rename(part, file, failed);
-  if (!out || failed) {
-    std::filesystem::remove(part, failed);
-    throw Error("the checkpoint cannot be written", file.string(), "is the disk full?");
-  }
+  std::vector<std::byte> bytes(sizeof head + pixels_.size() * sizeof(Pixel));
+  std::memcpy(bytes.data(), &head, sizeof head);
+  std::memcpy(bytes.data() + sizeof head, pixels_.data(), bytes.size() - sizeof head);
+  writeFileBytes(file, bytes);
 }
 
 uint32_t PathFilm::restore(const std::filesystem::path& file, uint64_t content) {

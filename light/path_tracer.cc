@@ -150,17 +150,18 @@ class Scattering {
     eye_ = inside(to_eye);
   }
 
-  bool isFibre() const { return fibre_ != nullptr; }
-
-  Color fCos(const Direction& to_light) const {
+  struct Value {
+    Color f_cos{0, 0, 0};
+    double pdf = 0;  ///< of sample()
+  };
+  Value value(const Direction& to_light) const {
     const Direction wi = inside(to_light);
-    if (fibre_ != nullptr) return fibre_->f(eye_, wi, h_) * std::hypot(wi.y(), wi.z());
-    if (to_light.dot(geometric_) <= 0) return {0, 0, 0};
-    return surface_->f(eye_, wi) * std::max(wi.z(), 0.0);
-  }
-  double pdf(const Direction& to_light) const {
-    const Direction wi = inside(to_light);
-    return fibre_ != nullptr ? fibre_->pdf(eye_, wi, h_) : surface_->pdf(eye_, wi);
+    if (fibre_ != nullptr) {
+      const ChiangFibre::Sample both = fibre_->evaluate(eye_, wi, h_);
+      return {both.f * std::hypot(wi.y(), wi.z()), both.pdf};
+    }
+    if (to_light.dot(geometric_) <= 0) return {};
+    return {surface_->f(eye_, wi) * std::max(wi.z(), 0.0), surface_->pdf(eye_, wi)};
   }
   Sample sample(SampleStream& random) const {
     Sample s;
@@ -181,7 +182,7 @@ class Scattering {
     const double height = 1 - 2 * random.uniform(), phi = kTau * random.uniform();
     const double radius = std::sqrt(std::max(1 - height * height, 0.0));
     const Direction direction(radius * std::cos(phi), radius * std::sin(phi), height);
-    return {direction, 1 / (2 * kTau), fCos(direction) * (2 * kTau)};
+    return {direction, 1 / (2 * kTau), value(direction).f_cos * (2 * kTau)};
   }
 
  private:
@@ -198,7 +199,9 @@ class Scattering {
 
 struct PathTracer::Impl {
   explicit Impl(PathScene given)
-      : scene(std::move(given)), geometry(std::move(scene.hair), std::move(scene.meshes)) {
+      : scene(std::move(given)),
+        geometry(std::move(scene.hair), std::move(scene.meshes)),
+        fibre(scene.fibre) {
     if (scene.width < 1 || scene.height < 1 || scene.width > 16384 || scene.height > 16384)
       throw Error("the size of a picture is out of range", "path tracer", "give 1 to 16384 pixels a side");
     if (!(scene.camera.lens_radius >= 0 && scene.camera.focus > 0 && scene.camera.view.allFinite()))
@@ -206,7 +209,6 @@ struct PathTracer::Impl {
     if (!scene.backdrop.empty() &&
         scene.backdrop.size() != static_cast<size_t>(scene.width) * static_cast<size_t>(scene.height))
       throw Error("the backdrop does not have the picture's size", "path tracer", "");
-    checkFibreMaterial(scene.fibre, "hair of the path tracer");
     for (const Light& light : scene.lights) {
       if (!(light.direction.norm() > 1e-6f) || !(light.width > 0 && light.height > 0))
         throw Error("a light has no direction or no size", "path tracer", "give both");
@@ -281,11 +283,12 @@ struct PathTracer::Impl {
     }
     if (!(light.arriving > 0).any()) return {0, 0, 0};
     const double odds = choice.odds[chosen];
-    Color scattered = scattering.fCos(light.direction) * light.arriving / odds;
+    const Scattering::Value value = scattering.value(light.direction);
+    Color scattered = value.f_cos * light.arriving / odds;
     if (light.pdf > 0) {
       scattered /= light.pdf;
       if ((is_sky || lights[chosen].isMet()) && !first_is_uniform)
-        scattered *= powerHeuristic(odds * light.pdf, scattering.pdf(light.direction));
+        scattered *= powerHeuristic(odds * light.pdf, value.pdf);
     }
     if (!(scattered > 0).any()) return {0, 0, 0};
     const bool may_shade = is_sky || lights[chosen].casts_shadow;
@@ -345,7 +348,6 @@ struct PathTracer::Impl {
     double pdf = 0;
     Choice choice;
     TracedHit from;
-    FibreMaterial fibre_material = scene.fibre;
     for (int scatterings = 0;; ++scatterings) {
       const TracedHit hit = geometry.hit(ray.start, ray.direction, scatterings > 0 ? &from : nullptr);
       const bool nothing = hit.kind == TracedHit::Kind::kNothing;
@@ -369,13 +371,10 @@ struct PathTracer::Impl {
       }
       if (scene.max_bounces > 0 && scatterings >= scene.max_bounces) return result;
 
-      std::optional<ChiangFibre> fibre;
-      if (surface == nullptr) {
-        fibre_material.sigma_a = absorptionAt(hit);
-        fibre.emplace(fibre_material);
-      }
+      std::optional<ChiangFibre> own;
+      if (surface == nullptr) own = fibre.withAbsorption(absorptionAt(hit));
       const Scattering scattering = surface == nullptr
-                                        ? Scattering(hit, -ray.direction, *fibre, random.uniform())
+                                        ? Scattering(hit, -ray.direction, *own, random.uniform())
                                         : Scattering(hit, -ray.direction, surface->scattering);
       const bool uniform =
           scatterings == 0 && scene.first_direction == FirstDirection::kUniform && surface == nullptr;
@@ -400,6 +399,7 @@ struct PathTracer::Impl {
 
   PathScene scene;  ///< its hair and meshes are in `geometry`
   TracedScene geometry;
+  ChiangFibre fibre;  ///< of all hairs, but for its absorption
   std::vector<TracedLight> lights;
   Eigen::Matrix3d axes;  ///< eye to world space
   Eigen::Vector3d eye;   ///< m, relative to the scene's origin

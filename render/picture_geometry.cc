@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/srgb.h"
 #include "kernels/scalar_picture.h"
 #include "render/hair_pass.h"
 #include "render/render_settings.h"
@@ -14,10 +15,7 @@ namespace {
 Vec3 ownColorOr(const Hair& hair, const Vec3& common) {
   if (hair.color == 0) return common;
   Vec3 color;
-  for (int c = 0; c < 3; ++c) {
-    const float s = static_cast<float>(hair.color >> (8 * c) & 255u) / 255;
-    color[c] = s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-  }
+  for (int c = 0; c < 3; ++c) color[c] = linearOf(static_cast<float>(hair.color >> (8 * c) & 255u) / 255);
   return color;
 }
 
